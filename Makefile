@@ -1,0 +1,77 @@
+# make study   the whole study: tables and figures in results/
+# make smoke   a tiny study through every stage, in about a minute
+# make test    the tests
+CONFIG ?= config/config.yaml
+OUT ?= results
+CORES ?= $(shell nproc 2>/dev/null || echo 2)
+
+VENV := .venv
+READY := $(VENV)/.ready
+PYTHON := $(VENV)/bin/python
+SOURCES := data_collection features model evaluation workflow tests benchmarks
+
+.DEFAULT_GOAL := help
+.PHONY: help setup study smoke test test-slow lint format bench lock clean
+
+help:
+	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=$(CORES)]  run a study"
+	@echo "make smoke [OUT=$(OUT)/smoke]   a tiny study through every stage"
+	@echo "make test | test-slow | lint | format | bench"
+	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
+	@echo "make clean   remove results but results/reference"
+
+# Everything is pinned in environment.lock and installed in a private environment. PyBullet has no wheels for
+# Pythons above 3.11. A set-up that was interrupted has no stamp, and begins again.
+$(READY): environment.lock
+	@rm -rf $(VENV)
+	@if command -v python3.11 >/dev/null && python3.11 -c 'import ensurepip' 2>/dev/null; then \
+		echo "Setting up $(VENV) with python3.11 (about two minutes)"; python3.11 -m venv $(VENV); \
+	elif command -v uv >/dev/null; then \
+		echo "Setting up $(VENV) with a Python 3.11 of uv (about two minutes)"; uv venv --quiet --seed --python 3.11 $(VENV); \
+	else \
+		echo "This project needs Python 3.11 (PyBullet has no wheels for newer ones), and found neither it nor uv." >&2; \
+		echo "Install one of them: Debian 12 or Ubuntu with a 3.11 package: apt install python3.11 python3.11-venv;" >&2; \
+		echo "any system: pip install uv, which fetches Python 3.11 by itself." >&2; exit 1; \
+	fi
+	@$(PYTHON) -m pip install --quiet --disable-pip-version-check -r environment.lock
+	@touch $@
+
+setup: $(READY)
+
+study: $(READY)
+	@$(PYTHON) -m workflow run --config $(CONFIG) --out $(OUT) --cores $(CORES)
+
+smoke: $(READY)
+	@$(PYTHON) -m workflow run --config config/smoke.yaml --out $(if $(filter results,$(OUT)),results/smoke,$(OUT)) --cores $(CORES)
+
+test: $(READY)
+	$(PYTHON) -m pytest -m "not slow" tests
+
+test-slow: $(READY)
+	$(PYTHON) -m pytest -m slow tests
+
+lint: $(READY)
+	$(VENV)/bin/ruff check $(SOURCES)
+	$(VENV)/bin/ruff format --check $(SOURCES)
+	$(VENV)/bin/mypy data_collection features model evaluation workflow benchmarks
+	$(VENV)/bin/snakefmt --check Snakefile workflow/rules
+
+format: $(READY)
+	$(VENV)/bin/ruff check --fix $(SOURCES)
+	$(VENV)/bin/ruff format $(SOURCES)
+	$(VENV)/bin/snakefmt Snakefile workflow/rules
+
+bench: $(READY)
+	$(PYTHON) -m benchmarks --out $(OUT)/bench
+
+# pip-compile resolves with pip itself; a local build label such as +cpu is on no public index, and is left out.
+lock:
+	python3.11 -m venv $(VENV)-lock
+	$(VENV)-lock/bin/python -m pip install --quiet pip-tools==7.6.2
+	$(VENV)-lock/bin/pip-compile --quiet --upgrade --extra dev --strip-extras --allow-unsafe --no-emit-options \
+		--no-emit-index-url --no-emit-find-links --no-emit-trusted-host --output-file environment.lock pyproject.toml
+	sed -i 's/^\(torch==[0-9.]*\)+[a-z0-9]*/\1/' environment.lock
+	rm -rf $(VENV)-lock
+
+clean:
+	@find results -mindepth 1 -maxdepth 1 ! -name reference -exec rm -rf {} + 2>/dev/null || true

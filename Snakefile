@@ -1,0 +1,28 @@
+"""The study, from simulated trials to its tables and figures; each include is one stage, in the order of the data."""
+
+from snakemake.utils import min_version
+
+min_version("9.0")
+
+# A config given on the command line replaces the study's, rather than being merged into it.
+if not config:
+
+    configfile: "config/config.yaml"
+
+
+workdir: "results"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/data_collection.smk"
+include: "workflow/rules/features.smk"
+include: "workflow/rules/model.smk"
+include: "workflow/rules/evaluation.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        "scores.csv",
+        expand("tables/{table}.{form}", table=TABLES, form=TABLE_FORMS),
+        expand("figures/{experiment}_{figure}.png", experiment=study.experiments, figure=FIT_FIGURES),

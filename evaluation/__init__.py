@@ -1,0 +1,1 @@
+"""What the fits are worth: measures, tables and figures."""

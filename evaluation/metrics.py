@@ -1,0 +1,50 @@
+"""Measures of a fit against the truth (section 4.2.1 of the paper). Each is None where it is not defined."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.metrics import adjusted_rand_score
+
+Ints = NDArray[np.int64]
+Truth = Sequence[str | None] | None
+
+
+def adjusted_rand_index(z: Ints, truth: Truth) -> float | None:
+    """Agreement of categories with true classes (Hubert and Arabie 1985), 1 if the same up to names, 0 by chance.
+
+    Args:
+        z: (N,) estimated categories.
+        truth: (N,) true classes; elements of unknown class (None) are left out.
+
+    Returns:
+        The index, None where no class is known.
+    """
+    if truth is None:
+        return None
+    known = np.array([label is not None for label in truth], dtype=bool)
+    if not known.any():
+        return None
+    labels = np.array([label for label in truth if label is not None])
+    return float(adjusted_rand_score(labels, z[known]))
+
+
+def estimation_accuracy_rate(F: Ints, channel_of_word: Sequence[int | None]) -> float | None:
+    """EAR: the share of words whose estimated channel is the true one.
+
+    Args:
+        F: (T,) estimated channel of each word; empty for a method without frames.
+        channel_of_word: (T,) true channel of each word; None for a word whose channel is unknown.
+
+    Returns:
+        The share, None for a method without frames and where no word was heard.
+    """
+    pairs = [(int(f), true) for f, true in zip(F, channel_of_word, strict=False) if true is not None]
+    return float(np.mean([f == true for f, true in pairs])) if pairs else None
+
+
+def channel_by_word(words: Mapping[str, Sequence[str]], channels: Sequence[str]) -> dict[str, int]:
+    """The index of the true channel of each word of an experiment."""
+    return {word: channels.index(channel) for channel, own in words.items() for word in own}

@@ -1,0 +1,183 @@
+"""Read a study's config and check it against the schema, with messages that a person can act on."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, cast
+
+import yaml
+from jsonschema import Draft202012Validator
+from jsonschema.exceptions import ValidationError
+from jsonschema.validators import extend
+from referencing import Registry, Resource
+
+SCHEMAS = Path(__file__).parent / "schemas"
+SIZE_LIMIT = 1_000_000
+
+
+class ConfigError(ValueError):
+    """The config cannot be run; `problems` lists everything that is wrong with it."""
+
+    def __init__(self, source: str, problems: Iterable[str]) -> None:
+        self.problems = tuple(problems)
+        count = len(self.problems)
+        head = f"{source}: {count} problem{'s' if count > 1 else ''}, nothing was started:"
+        super().__init__("\n".join([head, *(f"  {problem}" for problem in self.problems)]))
+
+
+def read_config(path: Path) -> dict[str, Any]:
+    """Read a YAML config as plain data.
+
+    Raises:
+        ConfigError: the file is missing, too large, not YAML, not a mapping, has tags, or has a key twice.
+    """
+    try:
+        if path.stat().st_size > SIZE_LIMIT:
+            raise ConfigError(str(path), [f"larger than {SIZE_LIMIT} bytes, which no config is"])
+        data = yaml.load(path.read_text(encoding="utf-8"), Loader=_StrictLoader)
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(str(path), [f"cannot be read: {error}"]) from error
+    except (yaml.YAMLError, RecursionError) as error:
+        raise ConfigError(str(path), [f"is not plain YAML: {' '.join(str(error).split())}"]) from error
+    if not isinstance(data, dict):
+        raise ConfigError(str(path), ["must be a mapping that begins with keys such as `experiments:`"])
+    return data
+
+
+class _StrictLoader(yaml.SafeLoader):
+    """Safe YAML without duplicate keys and without aliases, which could blow a small file up."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        seen: set[Any] = set()
+        for key_node, _ in node.value:
+            key = self.construct_object(key_node, deep=True)
+            if not isinstance(key, str):
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"key {key!r} is not text (quote it)", key_node.start_mark
+                )
+            if key in seen:
+                raise yaml.constructor.ConstructorError(None, None, f"key {key!r} stands twice", key_node.start_mark)
+            seen.add(key)
+        return super().construct_mapping(node, deep)
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        if self.check_event(yaml.AliasEvent):
+            event = self.peek_event()  # type: ignore[no-untyped-call]
+            raise yaml.composer.ComposerError(None, None, "aliases are not used here", event.start_mark)
+        return super().compose_node(parent, index)
+
+
+def schema_problems(config: Mapping[str, Any]) -> list[str]:
+    """Everything in which a config departs from the schema, each naming its key and what is allowed."""
+    errors = _validator().iter_errors(config)
+    problems = [problem for error in errors for problem in _explain(error)]
+    return sorted(set(problems))
+
+
+def default(key: str, of: str = "experiment") -> Any:
+    """The schema's default of a key of an experiment, None where it has none."""
+    entry = _schemas()["config.schema.json"]["$defs"][of]["properties"][key]
+    while "$ref" in entry and entry["$ref"].startswith("#/$defs/"):
+        entry = _schemas()["config.schema.json"]["$defs"][entry["$ref"].removeprefix("#/$defs/")]
+    return entry.get("default")
+
+
+@cache
+def _schemas() -> dict[str, Any]:
+    return {path.name: json.loads(path.read_text()) for path in sorted(SCHEMAS.glob("*.schema.json"))}
+
+
+@cache
+def _validator() -> Draft202012Validator:
+    """A validator in which 2.0 is no integer, and infinity and NaN are no numbers."""
+    types = Draft202012Validator.TYPE_CHECKER.redefine_many(
+        {
+            "integer": lambda _, value: isinstance(value, int) and not isinstance(value, bool),
+            "number": lambda _, value: (
+                isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+            ),
+        }
+    )
+    registry: Registry[Any] = Registry().with_resources(
+        (name, Resource.from_contents(schema)) for name, schema in _schemas().items()
+    )
+    strict: Any = extend(Draft202012Validator, type_checker=types)  # type: ignore[no-untyped-call]
+    return cast(Draft202012Validator, strict(_schemas()["config.schema.json"], registry=registry))
+
+
+def key_path(parts: Iterable[str | int]) -> str:
+    """`experiments.simulator.ROW[1]` of ("experiments", "simulator", "ROW", 1)."""
+    text = ""
+    for part in parts:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}"
+    return text.removeprefix(".") or "the config"
+
+
+def _explain(error: ValidationError) -> Iterator[str]:
+    if error.context:
+        for inner in error.context:
+            yield from _explain(inner)
+        return
+    where = key_path(error.absolute_path)
+    rule, value = str(error.validator), cast(Any, error.instance)
+    schema: dict[str, Any] = dict(cast(Mapping[str, Any], error.schema))
+    limit: Any = error.validator_value
+    meaning = schema.get("description")
+    note = f" ({meaning})" if meaning else ""
+    if rule == "additionalProperties":
+        allowed = sorted(schema.get("properties", {}))
+        for key in sorted(set(value) - set(allowed)):
+            close = difflib.get_close_matches(key, allowed, n=1)
+            hint = f"; did you mean {close[0]!r}?" if close else ""
+            yield f"{where}: unknown key {key!r}{hint} (allowed: {', '.join(allowed)})"
+    elif rule == "required":
+        for key in sorted(set(limit) - set(value)):
+            yield f"{where}: key {key!r} is missing{note}"
+    elif rule == "enum":
+        yield f"{where}: {_short(value)} is unknown (allowed: {', '.join(map(str, limit))})"
+    elif rule == "type":
+        expected = [limit] if isinstance(limit, str) else limit
+        kinds = " or ".join(_TYPES.get(kind, kind) for kind in expected)
+        yield f"{where}: {_short(value)} must be {kinds}{note}"
+    elif rule == "uniqueItems":
+        twice = [item for i, item in enumerate(value) if item in value[:i]]
+        yield f"{where}: {_short(twice[0])} stands twice{note}"
+    elif rule == "pattern" and len(error.absolute_path) and error.absolute_path[-1] != value:
+        yield f"{where}: {_short(value)} is not allowed{note}"
+    elif rule == "pattern":
+        yield f"{where}: the name {_short(value)} is not allowed{note}"
+    else:
+        yield f"{where}: {_short(value)} {_LIMITS.get(rule, 'does not fit {}').format(limit)}{note}"
+
+
+_TYPES = {
+    "integer": "a whole number",
+    "number": "a finite number",
+    "string": "text",
+    "array": "a list, like [1, 2]",
+    "object": "a mapping of keys to values",
+    "boolean": "true or false",
+}
+_LIMITS = {
+    "minimum": "is less than the minimum of {}",
+    "maximum": "is more than the maximum of {}",
+    "exclusiveMinimum": "must be more than {}",
+    "exclusiveMaximum": "must be less than {}",
+    "minItems": "needs at least {} entries",
+    "maxItems": "has more than {} entries",
+    "minProperties": "needs at least {} entry",
+    "maxProperties": "has more than {} entries",
+    "minLength": "needs at least {} character",
+    "maxLength": "has more than {} characters",
+    "const": "must be {}",
+}
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}…"

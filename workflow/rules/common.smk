@@ -1,0 +1,53 @@
+"""The checked plan of the study, and what every rule needs of it."""
+
+import os
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(workflow.basedir))
+
+from snakemake.exceptions import WorkflowError
+
+from workflow.config import ConfigError
+from workflow.provenance import code_hash, lock_hash
+from workflow.study import FIT_PATH, averaged_draws, feature_files, plan
+
+# One thread a job: the same bytes on any number of cores, and as many jobs as cores.
+for library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA"):
+    os.environ[f"{library}_NUM_THREADS"] = "1"
+
+CONFIG_FILE = Path(workflow.overwrite_configfiles[0] if workflow.overwrite_configfiles else workflow.configfiles[0])
+
+try:
+    study = plan(config, CONFIG_FILE)
+except ConfigError as error:
+    raise WorkflowError(str(error))
+
+
+
+def settings(wildcards):
+    """The settings of the experiment that a path names."""
+    return study.experiments[wildcards.experiment].settings
+
+
+def sources(*kinds):
+    """A pattern of the experiments whose data come from one of these sources, for wildcard constraints."""
+    names = [name for name, experiment in study.experiments.items() if experiment.source in kinds]
+    return "|".join(names) or "(?!)"
+
+
+def tracked(script):
+    """The hash of a script with all project code that it imports and of the lock file: a change reruns the rule."""
+    return code_hash(Path(workflow.basedir) / "workflow" / "scripts" / script) + lock_hash()
+
+
+wildcard_constraints:
+    experiment="|".join(study.experiments),
+    variant=r"[A-Za-z][A-Za-z0-9_-]*",
+    method="proposed|no_mec2|mmlda|gmm",
+    inference=r"[a-z]+(_averaged\d+)?",
+    set="train|generation|description",
+    block=r"\d+-\d+",
+    D=r"\d+",
+    ROW=r"\d+",
+    seed=r"\d+",

@@ -1,0 +1,59 @@
+"""Trials of the robot: one MCAP log a trial, and one of the camera's calibration for each experiment."""
+
+
+def simulated_blocks():
+    """Each block of trials that one job simulates: (experiment, set, trials)."""
+    for name, experiment in study.experiments.items():
+        if experiment.source == "simulation" and experiment.data == name:
+            for trials in study.blocks(name):
+                yield name, "train", trials
+
+
+def log_path(experiment, set_name, trial):
+    """Where the log of a trial is: in the results, or where the config says."""
+    if study.experiments[experiment].source == "logs":
+        return str(study.log_folder(experiment) / set_name / f"trial_{trial:04}.mcap")
+    return f"mcap/{experiment}/{set_name}/trial_{trial:04}.mcap"
+
+
+def calibration_path(wildcards):
+    """Where the log of an experiment's camera calibration is."""
+    if study.experiments[wildcards.experiment].source == "logs":
+        return str(study.log_folder(wildcards.experiment) / "calibration.mcap")
+    return "mcap/{experiment}/calibration.mcap"
+
+
+rule calibrate:
+    output:
+        "mcap/{experiment}/calibration.mcap",
+    params:
+        seed=lambda wildcards: settings(wildcards)["seed"],
+        simulation=lambda wildcards: settings(wildcards).get("simulation", {}),
+        code=tracked("calibrate.py"),
+    log:
+        "joblogs/calibrate/{experiment}.log",
+    wildcard_constraints:
+        experiment=sources("simulation"),
+    script:
+        "../scripts/calibrate.py"
+
+
+# A rule for each block, because the names of its logs do not tell the block.
+for name, set_name, trials in simulated_blocks():
+
+    rule:
+        name:
+            f"collect_{name}_{set_name}_{trials[0]}_to_{trials[-1]}"
+        output:
+            [log_path(name, set_name, trial) for trial in trials],
+        params:
+            experiment=name,
+            set_name=set_name,
+            trials=trials,
+            seed=study.experiments[name].settings["seed"],
+            simulation=study.experiments[name].settings.get("simulation", {}),
+            code=tracked("collect.py"),
+        log:
+            f"joblogs/collect/{name}_{set_name}_{trials[0]:04}-{trials[-1]:04}.log",
+        script:
+            "../scripts/collect.py"

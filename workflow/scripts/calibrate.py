@@ -1,0 +1,18 @@
+"""Log what the camera sees of an empty table and of the calibration marks."""
+
+from pathlib import Path
+
+from data_collection.episode import calibrate
+from data_collection.mcap_log import write_log
+from data_collection.settings import Simulation
+from workflow.job import job
+from workflow.provenance import lock_hash
+
+with job(snakemake.log[0]):
+    log = calibrate(
+        Simulation.from_mapping(snakemake.params.simulation),
+        experiment=snakemake.wildcards.experiment,
+        seed=snakemake.params.seed,
+        provenance={"code_sha256": snakemake.params.code, "lock_sha256": lock_hash()},
+    )
+    write_log(Path(snakemake.output[0]), log)

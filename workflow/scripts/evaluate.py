@@ -1,0 +1,24 @@
+"""Measure the fits of one experiment and D against the truth."""
+
+import logging
+from pathlib import Path
+
+from evaluation.scores import csl_measures, score_rows, write_scores
+from features.table import read_table
+from model import load
+from workflow.job import job
+
+with job(snakemake.log[0]):
+    table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=True)
+    for channel in ("action", "position", "object", "color"):
+        if getattr(table, f"truth_{channel}") is None:
+            logging.warning(
+                "%s: no column truth_%s, so that ARI of this channel stays empty",
+                snakemake.input.objects,
+                channel,
+            )
+    rows = []
+    for path, condition in zip(snakemake.input.fits, snakemake.params.conditions, strict=True):
+        measures = csl_measures(load(Path(path)), table, snakemake.params.words)
+        rows += score_rows({**condition, "task": "csl"}, measures)
+    write_scores(rows, Path(snakemake.output[0]))

@@ -1,0 +1,23 @@
+"""Fit the feature transforms on the first D trials and apply them."""
+
+from pathlib import Path
+
+from features.percept_data import first, join, load_percepts
+from features.settings import FeatureSettings
+from features.table import write_table
+from features.transforms import apply, fit_transforms, save_transforms, table_metadata
+from workflow.job import job
+
+with job(snakemake.log[0]):
+    D = int(snakemake.wildcards.D)
+    names = ("features", snakemake.wildcards.experiment, D)
+    percepts = first(join([load_percepts(Path(path)) for path in snakemake.input.percepts]), D)
+    extraction = FeatureSettings.from_mapping(snakemake.params.extraction)
+    transforms = fit_transforms(percepts, extraction, snakemake.params.seed, *names)
+    save_transforms(Path(snakemake.output.transforms), transforms)
+    write_table(
+        apply(transforms, percepts),
+        Path(snakemake.output.trials),
+        Path(snakemake.output.objects),
+        table_metadata(transforms),
+    )

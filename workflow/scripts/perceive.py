@@ -1,0 +1,17 @@
+"""See what the robot saw in a block of trials."""
+
+from pathlib import Path
+
+from data_collection.mcap_log import read_log
+from features.percept_data import save_percepts
+from features.percepts import perceive
+from features.settings import FeatureSettings
+from workflow.job import job
+
+with job(snakemake.log[0]):
+    percepts = perceive(
+        (read_log(Path(path)) for path in snakemake.input.logs),
+        read_log(Path(snakemake.input.calibration)),
+        FeatureSettings.from_mapping(snakemake.params.extraction),
+    )
+    save_percepts(Path(snakemake.output[0]), percepts)

@@ -1,0 +1,9 @@
+"""Join the score files of all experiments into one."""
+
+from pathlib import Path
+
+from evaluation.scores import join_scores
+from workflow.job import job
+
+with job(snakemake.log[0]):
+    join_scores([Path(path) for path in snakemake.input], Path(snakemake.output[0]))
