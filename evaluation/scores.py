@@ -77,7 +77,7 @@ def read_scores(paths: Iterable[Path]) -> pd.DataFrame:
     """
     frames = []
     for path in paths:
-        frame = pd.read_csv(path, float_precision="round_trip")
+        frame = pd.read_csv(path)
         if list(frame.columns) != COLUMNS:
             raise ValueError(f"{path}: columns {list(frame.columns)}, not {COLUMNS}")
         frames.append(frame)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from data_collection.settings import Simulation
+from features.settings import FeatureSettings
 from workflow.config import ConfigError, default, key_path, read_config, schema_problems
 
 CHANNELS = ("action", "position", "object", "color")
@@ -238,9 +240,12 @@ def _data_problems(study: Study, name: str) -> Iterator[str]:
     where = key_path(["experiments", name])
     if experiment.data != name:
         return
+    if experiment.source != "features":
+        try:
+            FeatureSettings.from_mapping(experiment.settings.get("feature_extraction", {}))
+        except ValueError as error:
+            yield from (f"{where}.feature_extraction: {line}" for line in str(error).splitlines())
     if experiment.source == "simulation":
-        from data_collection.settings import Simulation
-
         try:
             simulation = Simulation.from_mapping(experiment.settings.get("simulation", {}))
         except ValueError as error:

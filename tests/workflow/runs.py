@@ -1,0 +1,42 @@
+"""Run studies as users do, and look at what came out."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+from workflow.provenance import ROOT
+
+ARTIFACTS = (".mcap", ".parquet", ".npz", ".csv", ".md", ".tex", ".html", ".png")
+
+
+def command(config: Path, out: Path, *more: str) -> list[str]:
+    """The command line that the Makefile uses."""
+    base = [sys.executable, "-m", "workflow", "run", "--config", str(config), "--out", str(out), "--cores", "2"]
+    return [*base, *(["--", *more] if more else [])]
+
+
+def run(config: Path, out: Path, *more: str, succeeds: bool = True) -> str:
+    """Run a study and return what it printed."""
+    done = subprocess.run(command(config, out, *more), cwd=ROOT, capture_output=True, text=True, check=False)
+    printed = done.stdout + done.stderr
+    assert (done.returncode == 0) is succeeds, printed
+    return printed
+
+
+def jobs(printed: str) -> Counter[str]:
+    """How many jobs of each rule finished."""
+    return Counter(re.findall(r"Finished jobid: \d+ \(Rule: (\w+)\)", printed))
+
+
+def hashes(out: Path) -> dict[str, str]:
+    """sha256 of every artifact below a folder."""
+    return {
+        path.relative_to(out).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(out.rglob("*"))
+        if path.suffix in ARTIFACTS and ".snakemake" not in path.parts and not path.name.startswith(".")
+    }

@@ -1,0 +1,209 @@
+"""Configs: every key broken in every way that its type allows, and contradictions between keys."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from tests.synthetic import WORDS
+from tests.workflow.violations import Breaker
+from workflow.config import SCHEMAS, ConfigError, default, key_path, read_config, schema_problems
+from workflow.study import Study, load_study, plan
+
+FILE = Path("study.yaml")
+OVERRIDES: dict[str, Any] = {
+    "words": WORDS,
+    "K": {"action": 3, "position": 4, "object": 5, "color": 6},
+    "variants": {
+        "small_alpha": {
+            "alpha": 0.1,
+            "gamma": {"action": 0.2},
+            "kappa0": 0.1,
+            "V0": 0.5,
+            "nu0_minus_dim": 3.0,
+            "K": 7,
+        }
+    },
+    "data": "simulator",
+    "trials": 40,
+    "D": [20],
+    "ROW": [0],
+    "features": {"trials": "trials.parquet", "objects": "objects.parquet"},
+    "logs": "logs",
+}
+
+
+def everything() -> tuple[Breaker, dict[str, Any]]:
+    """A config that sets every key that there is."""
+    schemas = {path.name: json.loads(path.read_text()) for path in SCHEMAS.glob("*.schema.json")}
+    breaker = Breaker(schemas, OVERRIDES)
+    experiment = breaker.sample({"$ref": "#/$defs/experiment"}, "config.schema.json")
+    config = breaker.sample({"$ref": "config.schema.json"}, "config.schema.json")
+    return breaker, config | {"experiments": {"own": experiment}}
+
+
+def cases() -> list[Any]:
+    breaker, config = everything()
+    found = breaker.broken({"$ref": "config.schema.json"}, "config.schema.json", config)
+    return [pytest.param(path, broken, id=f"{key_path(path)}: {label}"[:150]) for label, path, broken in found]
+
+
+CASES = cases()
+
+
+def minimal(**changes: Any) -> dict[str, Any]:
+    own: dict[str, Any] = {"words": WORDS, "D": [6]} | changes
+    return {"experiments": {"own": {key: value for key, value in own.items() if value is not None}}}
+
+
+def problems_of(config: dict[str, Any]) -> tuple[str, ...]:
+    with pytest.raises(ConfigError) as caught:
+        plan(config, FILE)
+    return caught.value.problems
+
+
+def test_the_config_that_is_broken_below_is_valid() -> None:
+    assert schema_problems(everything()[1]) == []
+
+
+def test_every_key_is_broken_somehow() -> None:
+    """No key of the config, however deep, is without a broken case."""
+    broken = {tuple(part for part in path if isinstance(part, str)) for path, _ in (case.values for case in CASES)}
+
+    def leaves(value: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+        for key, inner in value.items() if isinstance(value, dict) else ():
+            yield (*path, key)
+            yield from leaves(inner, (*path, key))
+
+    free = {("words",), ("colors",), ("places",)}  # mappings of free names are broken by their first entry
+    missing = [path for path in leaves(everything()[1]) if path not in broken and path[-2:-1] not in free]
+    assert missing == []
+
+
+@pytest.mark.parametrize(("path", "broken"), CASES)
+def test_broken_key_is_named(path: tuple[str | int, ...], broken: dict[str, Any]) -> None:
+    problems = problems_of(broken)
+    assert any(problem.startswith(key_path(path)) for problem in problems), problems
+    assert all(len(problem) < 1500 for problem in problems)
+
+
+@pytest.mark.parametrize(
+    ("change", "where", "says"),
+    [
+        (
+            {"words": WORDS | {"color": ["green", "box"]}},
+            "experiments.own.words",
+            "'box' is a word of object and of color",
+        ),
+        ({"words": None}, "experiments.own", "key 'words' is missing"),
+        ({"D": [6, 50], "trials": 40}, "experiments.own.D[1]", "50 is more than the 40 trials collected"),
+        ({"data": "own"}, "experiments.own.data", "is no other experiment"),
+        ({"data": "other"}, "experiments.own.data", "'other' is no other experiment (allowed: there is none)"),
+        ({"features": {"trials": "a", "objects": "b"}, "logs": "c"}, "experiments.own", "features and logs exclude"),
+        (
+            {"features": {"trials": "a", "objects": "b"}, "trials": 6},
+            "experiments.own.trials",
+            "no effect with features",
+        ),
+        ({"features": {"trials": "a", "objects": "b"}}, "experiments.own.features.trials", "is not a file"),
+        ({"logs": "nowhere"}, "experiments.own.logs", "calibration.mcap is not a file"),
+        ({"words": WORDS | {"position": ["front", "behind"]}}, "experiments.own.simulation", "behind"),
+    ],
+)
+def test_contradictions_are_named(change: dict[str, Any], where: str, says: str) -> None:
+    problems = problems_of(minimal(**change))
+    assert any(problem.startswith(where) and says in problem for problem in problems), problems
+
+
+def test_sharing_the_data_of_an_experiment_that_shares() -> None:
+    experiments = {
+        "a": {"words": WORDS, "D": [6]},
+        "b": {"data": "a", "D": [6]},
+        "c": {"data": "b", "D": [6]},
+    }
+    assert "b has no data of its own" in problems_of({"experiments": experiments})[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("seed: 1\nseed: 2\n", "'seed' stands twice"),
+        ("experiments: {own: {D: [6], D: [7]}}", "'D' stands twice"),
+        ("seed: !!python/object/apply:os.system ['true']", "not plain YAML"),
+        ("a: &x [1]\nb: *x", "aliases are not used"),
+        ("1: a", "is not text"),
+        ("[1, 2]", "must be a mapping"),
+        ("", "must be a mapping"),
+        ("a: [1", "not plain YAML"),
+        ("a: " + "[" * 5000, "not plain YAML"),
+        ("a: " + "x" * 1_100_000, "larger than"),
+        (b"\xff\xfe\x00", "cannot be read"),
+    ],
+)
+def test_files_that_are_no_config(tmp_path: Path, text: str | bytes, says: str) -> None:
+    path = tmp_path / "config.yaml"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(ConfigError, match=says) as caught:
+        read_config(path)
+    assert str(path) in str(caught.value)
+
+
+def test_a_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="cannot be read"):
+        load_study(tmp_path / "config.yaml")
+
+
+def study(config: dict[str, Any]) -> Study:
+    return plan(config, FILE)
+
+
+def test_defaults_are_filled_in() -> None:
+    settings = study(minimal()).experiments["own"].settings
+    assert (settings["seed"], settings["iterations"], settings["seeds"], settings["ROW"]) == (1, 200, 10, [0])
+    assert settings["methods"] == default("methods") == ["proposed", "no_mec2", "mmlda"]
+
+
+def test_an_experiments_own_value_wins() -> None:
+    config = minimal(iterations=7) | {"iterations": 9, "chains": 3}
+    settings = study(config).experiments["own"].settings
+    assert (settings["iterations"], settings["chains"]) == (7, 3)
+
+
+def test_the_paths_of_the_fits() -> None:
+    config = minimal(
+        ROW=[0, 40], seeds=2, methods=["mmlda"], averaged_draws=[1, 100], variants={"narrow": {"V0": 0.1}}
+    )
+    paths = [condition.path for condition in study(config).conditions("own")]
+    assert len(paths) == len(set(paths)) == (2 * 2 + 2) * 2
+    assert "fits/own/narrow/mmlda/blocked_averaged100/D6/ROW40/seed2.npz" in paths
+    assert "fits/own/narrow/gmm/blocked/D6/ROW100/seed1.npz" in paths
+
+
+def test_hyperparameters_by_channel() -> None:
+    config = minimal(K={"action": 5}, variants={"v": {"alpha": 0.5, "gamma": {"color": 2.0}}})
+    priors = study(config).experiments["own"].priors("v")
+    assert priors["action"] == {"categories": 5, "concentration": 0.5}
+    assert priors["color"] == {"concentration": 0.5, "word_concentration": 2.0}
+
+
+def test_blocks_of_trials_stay_when_more_are_added() -> None:
+    few, many = (study(minimal(D=D)).blocks("own") for D in ([25], [25, 40]))
+    assert few == many[:3]
+    assert [len(block) for block in many] == [10] * 4
+
+
+def test_trials_of_an_experiment_that_others_share() -> None:
+    experiments = {"a": {"words": WORDS, "D": [6]}, "b": {"data": "a", "D": [21]}}
+    assert study({"experiments": experiments}).trials_needed("a") == 21
+
+
+def test_the_configs_of_the_project_are_valid() -> None:
+    root = SCHEMAS.parent.parent
+    for path in sorted((root / "config").glob("*.yaml")):
+        assert load_study(path).experiments
+        assert yaml.safe_load(path.read_text())["experiments"]

@@ -1,0 +1,59 @@
+"""Hashes of code: what changes them, and what does not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from workflow import provenance
+from workflow.provenance import ROOT, imported_files
+
+SCRIPTS = ROOT / "workflow" / "scripts"
+
+
+def names(script: str) -> set[str]:
+    return {path.relative_to(ROOT).as_posix() for path in imported_files(SCRIPTS / script)}
+
+
+def test_imports_are_followed() -> None:
+    fit = names("fit.py")
+    assert {"workflow/scripts/fit.py", "workflow/job.py", "model/__init__.py", "model/blocked.py"} <= fit
+    assert {"features/table.py", "data_collection/seeding.py"} <= fit
+    assert not any(name.startswith("evaluation/") for name in fit)
+    assert "evaluation/figures.py" not in names("evaluate.py")
+
+
+@pytest.mark.parametrize("later", ["evaluation", "model"])
+def test_earlier_stages_do_not_depend_on_later_ones(later: str) -> None:
+    for script in ("calibrate.py", "collect.py", "perceive.py", "features.py", "own_features.py"):
+        assert not any(name.startswith(f"{later}/") for name in names(script)), script
+
+
+def test_every_script_is_found_in_a_rule() -> None:
+    rules = "".join(path.read_text() for path in (ROOT / "workflow" / "rules").glob("*.smk"))
+    for script in SCRIPTS.glob("*.py"):
+        assert f'"../scripts/{script.name}"' in rules
+        assert f'tracked("{script.name}")' in rules
+
+
+def test_a_changed_import_changes_the_hash(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "package").mkdir()
+    (tmp_path / "package" / "__init__.py").write_text("")
+    (tmp_path / "package" / "deep.py").write_text("x = 1\n")
+    (tmp_path / "package" / "other.py").write_text("x = 1\n")
+    (tmp_path / "package" / "near.py").write_text("from package import deep\n")
+    script = tmp_path / "script.py"
+    script.write_text("import os\nimport package.near\n")
+    monkeypatch.setattr(provenance, "ROOT", tmp_path)
+
+    def fresh() -> str:
+        for function in (provenance.code_hash, provenance._imports):
+            function.cache_clear()
+        return provenance.code_hash(script)
+
+    before = fresh()
+    (tmp_path / "package" / "other.py").write_text("x = 2\n")
+    assert fresh() == before
+    (tmp_path / "package" / "deep.py").write_text("x = 2\n")
+    assert fresh() != before

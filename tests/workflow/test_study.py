@@ -1,0 +1,98 @@
+"""The smoke study, run for real: same bytes everywhere, only what is new is run, kills are survived."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.workflow.runs import command, hashes, jobs, run
+from workflow.provenance import ROOT
+
+SMOKE = ROOT / "config" / "smoke.yaml"
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The output folder of a finished smoke study."""
+    out = tmp_path_factory.mktemp("smoke") / "out"
+    run(SMOKE, out)
+    return out
+
+
+def test_every_stage_left_its_artifacts(finished: Path) -> None:
+    found = hashes(finished)
+    for number in range(1, 7):
+        assert f"mcap/simulator/train/trial_{number:04}.mcap" in found
+    fits = [name for name in found if name.startswith("fits/")]
+    assert len(fits) == 2 * 2 * 2 + 2
+    assert {f"tables/simulator_csl.{form}" for form in ("csv", "md", "tex", "html")} <= set(found)
+    assert {"figures/simulator_words.png", "figures/simulator_positions.png", "scores.csv"} <= set(found)
+
+
+def test_no_artifact_names_this_machine(finished: Path) -> None:
+    traces = [str(ROOT).encode(), os.uname().nodename.encode(), str(finished.parent).encode()]
+    for name in hashes(finished):
+        content = (finished / name).read_bytes()
+        assert not any(trace in content for trace in traces), name
+
+
+def test_the_same_bytes_again_on_another_number_of_cores(finished: Path, tmp_path: Path) -> None:
+    run(SMOKE, tmp_path / "out", "--cores", "1")
+    assert hashes(tmp_path / "out") == hashes(finished)
+
+
+def test_a_finished_study_runs_nothing(finished: Path) -> None:
+    assert jobs(run(SMOKE, finished)) == {}
+
+
+def test_only_new_conditions_run(finished: Path, tmp_path: Path) -> None:
+    """ROW 80 and a third seed: the fits that did not exist, and what sums them up."""
+    out = tmp_path / "out"
+    subprocess.run(["cp", "-a", str(finished), str(out)], check=True)
+    before = hashes(out)
+    config = yaml.safe_load(SMOKE.read_text())
+    config["experiments"]["simulator"]["ROW"].append(80)
+    config["experiments"]["simulator"]["seeds"] += 1
+    (tmp_path / "more.yaml").write_text(yaml.safe_dump(config))
+    ran = jobs(run(tmp_path / "more.yaml", out))
+    # 2 methods: ROW 80 × 3 seeds, ROW 0 and 40 × the new seed; ALL × the new seed.
+    assert ran.pop("fit") == 2 * 3 + 2 * 2 + 1
+    assert ran == {"evaluate": 1, "scores": 1, "table": 1, "figure_of_fit": 1, "all": 1}
+    after = hashes(out)
+    kept = [name for name in before if name.split("/")[0] in ("mcap", "percepts", "features", "fits")]
+    assert {name: after[name] for name in kept} == {name: before[name] for name in kept}
+
+
+@pytest.mark.parametrize("seconds", [8.0, 14.0, 20.0])
+def test_a_killed_study_ends_with_the_same_bytes(finished: Path, tmp_path: Path, seconds: float) -> None:
+    """SIGKILL of Snakemake alone: its jobs live on as orphans while the study is started again."""
+    out = tmp_path / "out"
+    with subprocess.Popen(
+        command(SMOKE, out), cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    ) as process:
+        time.sleep(seconds)
+        process.send_signal(signal.SIGKILL)
+    assert process.returncode == -signal.SIGKILL
+    assert hashes(out) != hashes(finished)
+    run(SMOKE, out)
+    assert hashes(out) == hashes(finished)
+    assert not list(out.rglob("*.part"))
+
+
+def test_two_studies_at_once_in_one_folder(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with subprocess.Popen(
+        command(SMOKE, out), cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    ) as process:
+        while not (out / ".running").exists():
+            time.sleep(0.1)
+        time.sleep(0.5)
+        assert "another study is running in this folder" in run(SMOKE, out, succeeds=False)
+        process.kill()
