@@ -14,7 +14,8 @@ import yaml
 from jsonschema import Draft202012Validator
 from jsonschema.exceptions import ValidationError
 from jsonschema.validators import extend
-from referencing import Registry, Resource
+from referencing import Registry
+from referencing.jsonschema import DRAFT202012
 
 SCHEMAS = Path(__file__).parent / "schemas"
 SIZE_LIMIT = 1_000_000
@@ -89,7 +90,11 @@ def default(key: str, of: str = "experiment") -> Any:
 
 @cache
 def _schemas() -> dict[str, Any]:
-    return {path.name: json.loads(path.read_text()) for path in sorted(SCHEMAS.glob("*.schema.json"))}
+    """The schemas by file name, without `$schema`: a validator changes its class where it meets one."""
+    loaded = {path.name: json.loads(path.read_text()) for path in sorted(SCHEMAS.glob("*.schema.json"))}
+    return {
+        name: {key: value for key, value in schema.items() if key != "$schema"} for name, schema in loaded.items()
+    }
 
 
 @cache
@@ -104,7 +109,7 @@ def _validator() -> Draft202012Validator:
         }
     )
     registry: Registry[Any] = Registry().with_resources(
-        (name, Resource.from_contents(schema)) for name, schema in _schemas().items()
+        (name, DRAFT202012.create_resource(schema)) for name, schema in _schemas().items()
     )
     strict: Any = extend(Draft202012Validator, type_checker=types)  # type: ignore[no-untyped-call]
     return cast(Draft202012Validator, strict(_schemas()["config.schema.json"], registry=registry))

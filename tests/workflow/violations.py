@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -68,11 +69,13 @@ class Breaker:
     ) -> Iterator[tuple[str, Path, Any]]:
         """Each way to break a valid value: (what is wrong, where, the broken value as a whole)."""
         schema, document = self.resolve(schema, document)
+        if "if" in schema and not isinstance(value, dict):  # one value for all channels, or a mapping of values
+            yield from self.broken(schema["else"], document, value, path)
+            return
         if "if" in schema:
-            branch = "then" if isinstance(value, dict) else "else"
-            yield from self.broken(
-                {"type": "object"} | schema[branch] if branch == "then" else schema[branch], document, value, path
-            )
+            for wrong in ("text", None, ["a"], True):
+                yield f"wrong type {wrong!r}", path, wrong
+            yield from self._broken_mapping(schema["then"], document, value, path)
             return
         for wrong in WRONG_TYPES.get(schema.get("type", ""), ["nonsense", 17, None]):
             yield f"wrong type or value {wrong!r}", path, wrong
@@ -117,8 +120,10 @@ class Breaker:
         if schema.get("additionalProperties") is False:
             yield "unknown key", path, {**value, "no_such_key": 1}
         if "propertyNames" in schema:
+            allowed, _ = self.resolve(schema["propertyNames"], document)
             for bad in ("", "two words", "../up", "x" * 80):
-                yield f"bad name {bad[:9]!r}", path, {**value, bad: next(iter(value.values()), {})}
+                if not re.search(allowed.get("pattern", ""), bad) or len(bad) < allowed.get("minLength", 0):
+                    yield f"bad name {bad[:9]!r}", path, {**value, bad: next(iter(value.values()), {})}
         if schema.get("minProperties", 0) > 0:
             yield "empty", path, {}
         for key in schema.get("required", ()):

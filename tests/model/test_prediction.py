@@ -1,0 +1,141 @@
+"""Instructions and descriptions against direct sums over every category and frame."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import permutations, product
+
+import numpy as np
+import pytest
+from scipy.special import logsumexp
+
+from model import METHODS, Fit, Prior, Trials, fit
+from model.data import Floats
+from model.distributions import gaussian_log_density
+from model.prediction import LONGEST_INSTRUCTION, Answer, describe, responsibilities, understand
+
+METHOD_NAMES = ["proposed", "no_mec2", "mmlda"]
+
+
+@pytest.fixture(params=METHOD_NAMES)
+def learned(request: pytest.FixtureRequest, trials: Trials) -> Fit:
+    """A fit of three channels: action, position, color."""
+    priors = [Prior(categories=K, mean_strength=0.5, scale=0.5) for K in (3, 2, 4)]
+    return fit(trials, request.param, np.random.default_rng(3), priors=priors, iterations=10)
+
+
+@pytest.fixture
+def scene() -> dict[str, Floats]:
+    rng = np.random.default_rng(6)
+    return {"position": rng.normal(size=(3, 2)), "color": rng.normal(size=(3, 1))}
+
+
+def joint_of_all_objects(learned: Fit, scene: dict[str, Floats]) -> list[Floats]:
+    """For each object channel (M, K) log π N: not normalised, as the model has it for every object on the table."""
+    return [
+        learned.state.log_weights[c + 1]
+        + gaussian_log_density(features, learned.state.mean[c + 1], learned.state.factor[c + 1])
+        for c, features in enumerate(scene.values())
+    ]
+
+
+def log_words_given_frames(learned: Fit, z: tuple[int, ...], words: list[int]) -> float:
+    """log Σ_f λ_f ∏ p(word | f): every frame of the method listed, z the categories of the three channels."""
+    theta = [learned.state.log_words[c][k] for c, k in enumerate(z)]
+    C, N, W = len(z), len(words), len(learned.trials.vocabulary)
+    rule = METHODS[learned.method].rule
+    if rule == "every":
+        return float(sum(theta[c][w] for c in range(C) for w in words))
+    if rule == "independent":
+        frames = [list(enumerate(f)) for f in product(range(C), repeat=N)]
+    elif N <= C:
+        frames = [list(enumerate(f)) for f in permutations(range(C), N)]
+    else:
+        frames = [[(n, c) for c, n in enumerate(chosen)] for chosen in permutations(range(N), C)]
+    terms = [sum(theta[c][words[n]] for n, c in frame) - (N - len(frame)) * np.log(W) for frame in frames]
+    return float(logsumexp(terms) - np.log(len(frames)))
+
+
+def direct(learned: Fit, scene: dict[str, Floats], words: list[int]) -> Floats:
+    """(M, K_a) log p(words, A, z^a | objects), by summing over the categories of all objects on the table."""
+    densities = joint_of_all_objects(learned, scene)
+    M, K = len(densities[0]), len(learned.state.log_weights[0])
+    evidence = sum(logsumexp(density, axis=1).sum() for density in densities)
+    result = np.empty((M, K))
+    for m, k in product(range(M), range(K)):
+        terms = []
+        for labels in product(*(range(density.shape[1]) for density in densities for _ in range(M))):
+            of_channel = [labels[c * M : (c + 1) * M] for c in range(len(densities))]
+            weight = sum(
+                density[i, part[i]] for density, part in zip(densities, of_channel, strict=True) for i in range(M)
+            )
+            terms.append(weight + log_words_given_frames(learned, (k, *(part[m] for part in of_channel)), words))
+        result[m, k] = logsumexp(terms) - evidence + learned.state.log_weights[0][k] - np.log(M)
+    return result
+
+
+@pytest.mark.parametrize("N", range(7))
+def test_scores_are_the_direct_sum(learned: Fit, scene: dict[str, Floats], N: int) -> None:
+    """The objects that are not attended divide out exactly; sentences may be longer or shorter than the channels."""
+    two_objects = {name: features[:2] for name, features in scene.items()}
+    words = np.random.default_rng(N).integers(len(learned.trials.vocabulary), size=N).tolist()
+    answer = understand(learned, two_objects, [learned.trials.vocabulary[w] for w in words])
+    assert answer.log_scores == pytest.approx(direct(learned, two_objects, words), rel=1e-9, abs=1e-9)
+    assert answer.probabilities.sum() == pytest.approx(1.0)
+
+
+def test_the_order_of_the_words_does_not_matter(learned: Fit, scene: dict[str, Floats]) -> None:
+    words = list(learned.trials.vocabulary[:3])
+    for order in permutations(words):
+        expected = understand(learned, scene, words).log_scores
+        assert understand(learned, scene, order).log_scores == pytest.approx(expected)
+
+
+def test_no_word_leaves_the_prior(learned: Fit, scene: dict[str, Floats]) -> None:
+    expected = np.tile(np.exp(learned.state.log_weights[0]) / 3, (3, 1))
+    assert understand(learned, scene, []).probabilities == pytest.approx(expected)
+
+
+def test_an_unknown_word_is_left_out_and_named(learned: Fit, scene: dict[str, Floats]) -> None:
+    word = learned.trials.vocabulary[0]
+    with_it = understand(learned, scene, [word, "blorp"])
+    assert with_it.ignored == ("blorp",)
+    assert with_it.log_scores == pytest.approx(understand(learned, scene, [word]).log_scores)
+
+
+def test_equal_objects_are_tied(learned: Fit, scene: dict[str, Floats]) -> None:
+    twins = {name: np.tile(features[:1], (2, 1)) for name, features in scene.items()}
+    chosen = {m for m, _ in understand(learned, twins, [learned.trials.vocabulary[0]]).choices()}
+    assert chosen == {0, 1}
+
+
+def test_a_choice_is_the_highest_score() -> None:
+    answer = Answer(np.log(np.array([[0.1, 0.5], [0.3, 0.1]])), ())
+    assert answer.choices() == ((0, 1),)
+
+
+def test_long_instructions(learned: Fit, scene: dict[str, Floats]) -> None:
+    word = learned.trials.vocabulary[0]
+    longest = understand(learned, scene, [word] * LONGEST_INSTRUCTION)
+    assert np.all(np.isfinite(longest.log_scores))
+    with pytest.raises(ValueError, match="13 words"):
+        understand(learned, scene, [word] * (LONGEST_INSTRUCTION + 1))
+
+
+def test_an_empty_table_is_refused(learned: Fit) -> None:
+    with pytest.raises(ValueError, match="no object"):
+        understand(learned, {"position": np.empty((0, 2)), "color": np.empty((0, 1))}, [])
+
+
+def test_descriptions_are_the_most_probable_words(learned: Fit, scene: dict[str, Floats]) -> None:
+    for c, (channel, features) in enumerate(scene.items(), start=1):
+        r = np.exp(responsibilities(learned, channel, features))
+        assert r.sum(axis=1) == pytest.approx(1.0)
+        best = np.argmax(r @ np.exp(learned.state.log_words[c]), axis=1)
+        assert describe(learned, channel, features) == tuple(learned.trials.vocabulary[w] for w in best)
+
+
+def test_no_description_without_words(learned: Fit, scene: dict[str, Floats]) -> None:
+    wordless = replace(learned, trials=replace(learned.trials, vocabulary=()))
+    with pytest.raises(ValueError, match="training had none"):
+        describe(wordless, "color", scene["color"])
