@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.metrics import adjusted_rand_score
+from sklearn.metrics import adjusted_rand_score, confusion_matrix, f1_score
 
 Ints = NDArray[np.int64]
 Truth = Sequence[str | None] | None
@@ -48,3 +48,26 @@ def estimation_accuracy_rate(F: Ints, channel_of_word: Sequence[int | None]) -> 
 def channel_by_word(words: Mapping[str, Sequence[str]], channels: Sequence[str]) -> dict[str, int]:
     """The index of the true channel of each word of an experiment."""
     return {word: channels.index(channel) for channel, own in words.items() for word in own}
+
+
+def accuracy(true: Sequence[str], predicted: Sequence[str]) -> float | None:
+    """ACC: the share of words that are right; None without words."""
+    if not true:
+        return None
+    return float(np.mean([t == p for t, p in zip(true, predicted, strict=True)]))
+
+
+def f1_macro(true: Sequence[str], predicted: Sequence[str]) -> float | None:
+    """F1: the mean over the words, of those that occur in truth or prediction; None without words.
+
+    A word that is never predicted, or never true, counts 0.
+    """
+    if not true:
+        return None
+    labels = sorted({*true, *predicted})
+    return float(f1_score(list(true), list(predicted), labels=labels, average="macro", zero_division=0))
+
+
+def confusion(true: Sequence[str], predicted: Sequence[str], labels: Sequence[str]) -> Ints:
+    """(W, W) how often each true word (row) was predicted as each word (column), in the order of `labels`."""
+    return np.asarray(confusion_matrix(list(true), list(predicted), labels=list(labels)), dtype=np.int64)

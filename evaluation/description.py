@@ -1,0 +1,64 @@
+"""The action description task (section 4.4 of the paper): the robot says what it did."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from evaluation.metrics import accuracy, f1_macro
+from features.table import FeatureTable
+from model import Fit
+from model.prediction import describe
+
+# The fixed frame of a description: action, position, color, object.
+FRAME = ("action", "position", "color", "object")
+
+
+@dataclass(frozen=True)
+class Descriptions:
+    """True and described words, one pair for each word that the tutor said of a trial.
+
+    Attributes:
+        trial: the trial of each pair.
+        channel: the channel of each pair.
+        true: what the tutor said.
+        described: what the robot says.
+    """
+
+    trial: tuple[int, ...]
+    channel: tuple[str, ...]
+    true: tuple[str, ...]
+    described: tuple[str, ...]
+
+    def measures(self) -> dict[str, float | None]:
+        """F1 (macro over the words) and ACC."""
+        return {"F1": f1_macro(self.true, self.described), "ACC": accuracy(self.true, self.described)}
+
+
+def describe_trials(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[str]]) -> Descriptions:
+    """Describe each trial of a table, word by word, and pair each word with the tutor's.
+
+    Args:
+        fit: what the robot learned.
+        table: the trials, with attended objects and the tutor's sentences.
+        words: the words by channel; a tutor's word of no channel is left out.
+
+    Raises:
+        ValueError: the robot learned without words.
+    """
+    attended = {
+        "action": table.action,
+        "position": table.position[table.attended_row],
+        "object": table.object_feature[table.attended_row],
+        "color": table.color[table.attended_row],
+    }
+    spoken = {channel: describe(fit, channel, attended[channel]) for channel in FRAME}
+    pairs = [
+        (int(table.trial[d]), channel, word, spoken[channel][d])
+        for d, sentence in enumerate(table.words)
+        for channel in FRAME
+        for word in sentence
+        if word in words[channel]
+    ]
+    trial, channel_of, true, described = zip(*pairs, strict=True) if pairs else ((), (), (), ())
+    return Descriptions(trial, channel_of, true, described)
