@@ -1,0 +1,1 @@
+"""From logs to feature tables: what the robot sees, feels and hears, as numbers the model can learn from."""

@@ -1,0 +1,63 @@
+"""Artifacts that are named arrays: npz without pickle, complete or not there, checked on reading."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from features.files import replacing
+
+
+class ArtifactError(ValueError):
+    """A stored artifact is missing, damaged or of another kind; the message names the file."""
+
+
+def save_arrays(path: Path, kind: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Write named arrays; the same arrays give the same bytes.
+
+    Args:
+        path: where to.
+        kind: what the arrays are together; checked on reading.
+        arrays: numbers, booleans or text.
+
+    """
+    with replacing(path) as (temporary,), temporary.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, kind=np.array(kind), **arrays)
+
+
+def load_arrays(path: Path, kind: str, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+    """Read the arrays `names` that `save_arrays` has written as `kind`.
+
+    Raises:
+        ArtifactError: the file is missing, damaged, of another kind, or lacks or exceeds the names.
+
+    """
+    if not path.is_file():
+        raise ArtifactError(f"{path}: no such file of {kind}")
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zipfile.zlib.error) as error:  # type: ignore[attr-defined]
+        raise ArtifactError(f"{path}: not a file of {kind}, truncated or damaged: {error}") from error
+    found = str(arrays.pop("kind", ""))
+    if found != kind:
+        raise ArtifactError(f"{path}: holds {found or 'something else'}; expected {kind}")
+    if different := sorted(set(names) ^ set(arrays)):
+        raise ArtifactError(f"{path}: {', '.join(different)} missing or unknown; expected {', '.join(names)}")
+    return arrays
+
+
+def texts_to_array(texts: tuple[str | None, ...] | None, count: int) -> NDArray[np.str_]:
+    """Give texts as an array of text, empty for None."""
+    return np.array([text or "" for text in texts or (None,) * count], dtype=np.str_)
+
+
+def texts_from_array(array: NDArray[Any]) -> tuple[str | None, ...] | None:
+    """Undo `texts_to_array`; None when no text is known."""
+    texts = tuple(str(text) or None for text in array)
+    return texts if any(texts) else None

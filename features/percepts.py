@@ -1,0 +1,144 @@
+"""One pass over the logs of an experiment: see the objects, feel the body, hear the words."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from data_collection.mcap_log import Log
+from data_collection.trial import Observation, Truth, calibration, observation, truth
+from features.detection import Found, crop, detect, without_rim
+from features.object_feature import FC6_SIZE, fc6
+from features.percept_data import Percepts, first, join, load_percepts, save_percepts
+from features.position import standing_position
+from features.settings import Detection, FeatureSettings
+from features.table import Texts
+from features.threads import one_thread
+from features.view import View, fit_view
+
+__all__ = ["DetectionError", "Percepts", "first", "join", "load_percepts", "perceive", "save_percepts"]
+
+log = logging.getLogger(__name__)
+
+MATCH_DISTANCE = 0.05
+"""A detection farther than this from every true object, metres, has no truth."""
+
+
+class DetectionError(ValueError):
+    """A trial shows an implausible number of objects; the message names it."""
+
+
+def perceive(logs: Iterable[Log], calibration_log: Log, settings: FeatureSettings) -> Percepts:
+    """See, feel and hear what the logs hold.
+
+    Args:
+        logs: one log a trial, of one experiment and set, in any order.
+        calibration_log: of the same experiment.
+        settings: of detection, crops and network.
+
+    Raises:
+        DetectionError: an implausible number of objects, where the setting does not drop the trial; or none
+            is left.
+        LogError: a log lacks a signal or holds a bad one.
+        ValueError: trials repeat, or their joints or images differ.
+
+    """
+    with one_thread():
+        view = fit_view(calibration(calibration_log))
+        parts: list[Percepts] = []
+        dropped: list[str] = []
+        for one in logs:
+            seen = observation(one)
+            try:
+                found = detect(seen.image_before, view.empty, settings.detection)
+            except ValueError as error:
+                raise ValueError(f"trial {seen.trial}: {error}") from error
+            if problem := _wrong_count(seen.trial, len(found), settings.detection):
+                if settings.detection.on_wrong_count == "error":
+                    raise DetectionError(problem)
+                log.warning("dropped: %s", problem)
+                dropped.append(problem)
+            else:
+                parts.append(_perceive_trial(seen, truth(one), found, view, settings))
+        if not parts:
+            raise DetectionError("\n".join(["no trial is left", *dropped]))
+        joined = join(parts)
+        return replace(joined, fc6=fc6(joined.crop, joined.mask, settings), dropped=tuple(dropped))
+
+
+def _wrong_count(trial: int, count: int, settings: Detection) -> str:
+    """Say what is implausible about a number of objects; empty if nothing is."""
+    fewest, most = settings.fewest_objects, settings.most_objects
+    if fewest <= count <= most:
+        return ""
+    return f"trial {trial}: {count} objects found; expected {fewest} to {most} (feature_extraction.detection)"
+
+
+def _perceive_trial(
+    seen: Observation, true: Truth | None, found: tuple[Found, ...], view: View, settings: FeatureSettings
+) -> Percepts:
+    """Give the percepts of one trial, with fc6 still to come."""
+    image = seen.image_before
+    inner = [without_rim(one, settings.mask_edge) for one in found]
+    crops, masks = zip(*(crop(image, one, settings.crop_margin) for one in inner), strict=True)
+    pixels = [image[one.mask] for one in inner]
+    position = np.stack([standing_position(one.mask, view.camera) for one in found])
+    match = _match(position, true)
+    attended = _attended(seen, position, match, true)
+    acted = seen.gaze_target is not None
+    return Percepts(
+        trial=np.array([seen.trial]),
+        acted=np.array([acted]),
+        attended_object=np.array([attended]),
+        words=(tuple(seen.words),),
+        hand=seen.hand_position[None],
+        finger_rate=np.array([seen.finger_rate if acted else 0.0]),
+        joints=seen.joint_positions[None],
+        touch=seen.tactile[None],
+        joint_names=tuple(seen.joint_names),
+        joint_lower=seen.joint_lower,
+        joint_upper=seen.joint_upper,
+        table_height=np.array(view.table_height),
+        trial_index=np.zeros(len(found), dtype=np.int64),
+        position=position,
+        box=np.array([one.box for one in found]),
+        crop=np.stack(crops),
+        mask=np.stack(masks),
+        fc6=np.zeros((len(found), FC6_SIZE), dtype=np.float32),
+        pixels=np.concatenate(pixels),
+        pixel_index=np.repeat(np.arange(len(found)), [len(part) for part in pixels]),
+        truth_action=None if true is None else (true.action_word or None,),
+        truth_position=_true_words(match, None if true is None else true.place_words),
+        truth_object=_true_words(match, None if true is None else true.object_words),
+        truth_color=_true_words(match, None if true is None else true.color_words),
+    )
+
+
+def _match(position: NDArray[np.float64], true: Truth | None) -> NDArray[np.int64]:
+    """Give the true object (N,) that each detection is, nearest together; −1 for none."""
+    from scipy.optimize import linear_sum_assignment
+
+    match = np.full(len(position), -1)
+    if true is not None and len(true.positions):
+        distance = np.linalg.norm(position[:, None] - true.positions[None], axis=2)
+        rows, columns = linear_sum_assignment(distance)
+        near = distance[rows, columns] <= MATCH_DISTANCE
+        match[rows[near]] = columns[near]
+    return match
+
+
+def _attended(seen: Observation, position: NDArray[np.float64], match: NDArray[np.int64], true: Truth | None) -> int:
+    """Give the detection that the robot looks at; where it does not look, the true one; −1 for none."""
+    if seen.gaze_target is not None:
+        return int(np.linalg.norm(position - seen.gaze_target, axis=1).argmin())
+    rows = np.flatnonzero(match == true.attended) if true is not None else np.zeros(0)
+    return int(rows[0]) if len(rows) else -1
+
+
+def _true_words(match: NDArray[np.int64], words: Texts | None) -> Texts | None:
+    """Give the true word of each detection."""
+    return None if words is None else tuple(words[i] if i >= 0 else None for i in match)

@@ -1,0 +1,229 @@
+"""Feature tables: what the model learns from, and the two Parquet files that hold them.
+
+The files are the contract that people who bring their own features also write: one row a trial in the one,
+one row an object in the other; `features.table_columns` states the columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from features.files import replacing
+from features.table_check import problems_of_tables
+from features.table_columns import OBJECTS, TRIALS, conform, load
+
+Texts = tuple[str | None, ...]
+
+
+class TableError(ValueError):
+    """The files of a feature table break the contract; `problems` lists every breach."""
+
+    def __init__(self, problems: Sequence[str]) -> None:
+        self.problems = tuple(problems)
+        count = f"{len(problems)} problem{'s' if len(problems) != 1 else ''} in the feature table"
+        super().__init__("\n".join([f"{count} (rows counted from 0):", *problems]))
+
+
+@dataclass(frozen=True, eq=False)
+class FeatureTable:
+    """D trials with N objects altogether. Trials ascend by number, objects by trial and index.
+
+    Attributes:
+        trial: int64 (D,), numbers of the trials, unique.
+        attended_object: int64 (D,), A_d, index into the trial's objects; −1 where unknown.
+        words: D sentences as uttered; a sentence may be empty.
+        action: float64 (D, dim_a), a_d.
+        trial_index: int64 (N,), row (0..D−1) of the trial that each object belongs to, ascending.
+        position: float64 (N, 2), p_dm, metres on the table, robot frame (x ahead, y left).
+        object_feature: float64 (N, dim_o), o_dm.
+        color: float64 (N, dim_c), c_dm, sums to 1.
+        truth_action: true action word of each trial, None where unknown; None altogether when none is known.
+        truth_position, truth_object, truth_color: the same for each object.
+
+    """
+
+    trial: NDArray[np.int64]
+    attended_object: NDArray[np.int64]
+    words: tuple[tuple[str, ...], ...]
+    action: NDArray[np.float64]
+    trial_index: NDArray[np.int64]
+    position: NDArray[np.float64]
+    object_feature: NDArray[np.float64]
+    color: NDArray[np.float64]
+    truth_action: Texts | None = None
+    truth_position: Texts | None = None
+    truth_object: Texts | None = None
+    truth_color: Texts | None = None
+
+    @property
+    def first_object(self) -> NDArray[np.int64]:
+        """int64 (D,): row of each trial's object 0 among the N objects."""
+        return np.searchsorted(self.trial_index, np.arange(len(self.trial))).astype(np.int64)
+
+    @property
+    def attended_row(self) -> NDArray[np.int64]:
+        """int64 (D,): row of each trial's attended object among the N objects; −1 where unknown."""
+        return np.where(self.attended_object < 0, -1, self.first_object + self.attended_object)
+
+
+def check_table(
+    trials_path: Path | str,
+    objects_path: Path | str,
+    *,
+    words: Mapping[str, Sequence[str]] | None = None,
+    need_attention: bool,
+) -> list[str]:
+    """List every breach of the contract in two files: file, column, row, what is expected.
+
+    Args:
+        trials_path: Parquet file of the trials.
+        objects_path: Parquet file of the objects.
+        words: the experiment's words of each channel; with it, any other word is a breach.
+        need_attention: whether every trial's `attended_object` must be known (training needs it).
+
+    """
+    return _load_checked(trials_path, objects_path, words, need_attention)[2]
+
+
+def read_table(trials_path: Path | str, objects_path: Path | str, *, need_attention: bool) -> FeatureTable:
+    """Read a feature table; rows may stand in any order.
+
+    Raises:
+        TableError: the files break the contract; the message lists all problems.
+
+    """
+    trials, objects, problems = _load_checked(trials_path, objects_path, None, need_attention)
+    if problems:
+        raise TableError(problems)
+    trials = trials.sort_by("trial")
+    objects = objects.sort_by([("trial", "ascending"), ("object", "ascending")])
+    trial = np.asarray(trials["trial"], dtype=np.int64)
+    return FeatureTable(
+        trial=trial,
+        attended_object=np.asarray(trials["attended_object"].fill_null(-1), dtype=np.int64),
+        words=tuple(tuple(sentence) for sentence in trials["words"].to_pylist()),
+        action=_matrix(trials["action"]),
+        trial_index=np.searchsorted(trial, np.asarray(objects["trial"])).astype(np.int64),
+        position=_matrix(objects["position"]),
+        object_feature=_matrix(objects["object_feature"]),
+        color=_matrix(objects["color"]),
+        truth_action=_texts(trials, "truth_action"),
+        truth_position=_texts(objects, "truth_position"),
+        truth_object=_texts(objects, "truth_object"),
+        truth_color=_texts(objects, "truth_color"),
+    )
+
+
+def read_metadata(path: Path | str) -> dict[str, str]:
+    """Read what `write_table` was given as metadata from one of its files."""
+    stored = pq.read_schema(path).metadata or {}
+    return {key.decode(): value.decode() for key, value in stored.items() if not key.startswith(b"ARROW:")}
+
+
+def write_table(
+    table: FeatureTable,
+    trials_path: Path | str,
+    objects_path: Path | str,
+    metadata: Mapping[str, str] | None = None,
+) -> None:
+    """Write both files; the same table and metadata give the same bytes.
+
+    Args:
+        table: what to write; columns of truth that are None are left out.
+        trials_path: where the trials go.
+        objects_path: where the objects go.
+        metadata: key-value metadata of both files.
+
+    Raises:
+        TableError: the table itself breaks the contract; no file is written.
+
+    """
+    paths = (Path(trials_path), Path(objects_path))
+    parts = _arrow(table)
+    problems = []
+    for path, part, columns in zip(paths, parts, (TRIALS, OBJECTS), strict=True):
+        problems += conform(str(path), part, columns)[1]
+    problems += problems_of_tables((str(paths[0]), str(paths[1])), *parts, need_attention=False)
+    if problems:
+        raise TableError(problems)
+    with replacing(*paths) as temporary:
+        for path, part in zip(temporary, parts, strict=True):
+            sorted_metadata = dict(sorted((metadata or {}).items()))
+            pq.write_table(part.replace_schema_metadata(sorted_metadata), path, write_page_checksum=True)
+
+
+def head(table: FeatureTable, D: int) -> FeatureTable:
+    """Give the first D trials by number, with their objects.
+
+    Raises:
+        ValueError: D is below 1 or above the number of trials.
+
+    """
+    if not 1 <= D <= len(table.trial):
+        raise ValueError(f"D is {D}; expected 1 to {len(table.trial)}, the number of trials")
+    N = int(np.searchsorted(table.trial_index, D))
+
+    def first(values: Any, count: int) -> Any:
+        return None if values is None else values[:count]
+
+    by_trial = ("trial", "attended_object", "words", "action", "truth_action")
+    return FeatureTable(**{name: first(values, D if name in by_trial else N) for name, values in vars(table).items()})
+
+
+def _load_checked(
+    trials_path: Path | str,
+    objects_path: Path | str,
+    words: Mapping[str, Sequence[str]] | None,
+    need_attention: bool,
+) -> tuple[Any, Any, list[str]]:
+    """Both files as Arrow tables of the contract's types, and all their problems."""
+    trials, trials_problems = load(Path(trials_path), TRIALS)
+    objects, objects_problems = load(Path(objects_path), OBJECTS)
+    problems = problems_of_tables(
+        (str(trials_path), str(objects_path)), trials, objects, need_attention=need_attention, words=words
+    )
+    return trials, objects, trials_problems + objects_problems + problems
+
+
+def _matrix(column: Any) -> NDArray[np.float64]:
+    """Turn lists of one length into the rows of a matrix."""
+    flat = np.asarray(column.combine_chunks().flatten(), dtype=np.float64)
+    return flat.reshape(len(column), -1)
+
+
+def _texts(table: Any, name: str) -> Texts | None:
+    """Give a column of text; None when it is absent or all null."""
+    if name not in table.column_names or table[name].null_count == len(table[name]):
+        return None
+    return tuple(table[name].to_pylist())
+
+
+def _arrow(table: FeatureTable) -> tuple[Any, Any]:
+    """Make the two Arrow tables of a feature table."""
+    vector = pa.list_(pa.float64())
+    attended = [int(index) if index >= 0 else None for index in table.attended_object]
+    trials = {
+        "trial": pa.array(table.trial, pa.int64()),
+        "attended_object": pa.array(attended, pa.int64()),
+        "words": pa.array([list(sentence) for sentence in table.words], pa.list_(pa.string())),
+        "action": pa.array(list(table.action), vector),
+    }
+    objects = {
+        "trial": pa.array(table.trial[table.trial_index], pa.int64()),
+        "object": pa.array(np.arange(len(table.trial_index)) - table.first_object[table.trial_index], pa.int64()),
+        "position": pa.array(list(table.position), vector),
+        "object_feature": pa.array(list(table.object_feature), vector),
+        "color": pa.array(list(table.color), vector),
+    }
+    for name in ("truth_action", "truth_position", "truth_object", "truth_color"):
+        if (values := getattr(table, name)) is not None:
+            (trials if name == "truth_action" else objects)[name] = pa.array(values, pa.string())
+    return pa.table(trials), pa.table(objects)

@@ -1,0 +1,155 @@
+"""The columns of a feature table's two Parquet files, as data, and reading files into exactly these.
+
+Equivalent Arrow encodings are accepted, because other programs write them: any integer width, single or
+double precision, `large_*`, view, dictionary and fixed-size types. Everything else is reported by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+MAX_BYTES = 2**31
+"""Largest file, and largest decompressed content, that is read."""
+MAX_VALUES = 2 * 10**8
+"""Largest number of values of one column (rows × list length)."""
+
+Kind = Literal["integer", "text", "words", "vector"]
+
+EXPECTED: Mapping[Kind, Any] = {
+    "integer": pa.int64(),
+    "text": pa.string(),
+    "words": pa.list_(pa.string()),
+    "vector": pa.list_(pa.float64()),
+}
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of the contract.
+
+    Attributes:
+        name: its name in the file.
+        kind: integer (int64), text (string), words (list of string) or vector (list of double).
+        required: whether the file must have it; a column that is not required may also be all null.
+        nullable: whether a value may be null.
+        length: length of every vector; None where any length will do, the same in all rows.
+        histogram: whether a vector must be non-negative and sum to 1.
+        channel: the channel whose words a text must be one of.
+
+    """
+
+    name: str
+    kind: Kind
+    required: bool = True
+    nullable: bool = False
+    length: int | None = None
+    histogram: bool = False
+    channel: str | None = None
+
+
+TRIALS = (
+    Column("trial", "integer"),
+    Column("attended_object", "integer", nullable=True),
+    Column("words", "words"),
+    Column("action", "vector"),
+    Column("truth_action", "text", required=False, nullable=True, channel="action"),
+)
+OBJECTS = (
+    Column("trial", "integer"),
+    Column("object", "integer"),
+    Column("position", "vector", length=2),
+    Column("object_feature", "vector"),
+    Column("color", "vector", histogram=True),
+    Column("truth_position", "text", required=False, nullable=True, channel="position"),
+    Column("truth_object", "text", required=False, nullable=True, channel="object"),
+    Column("truth_color", "text", required=False, nullable=True, channel="color"),
+)
+
+
+def load(path: Path, columns: Sequence[Column]) -> tuple[Any, list[str]]:
+    """Read a Parquet file as an Arrow table with the usable ones of `columns`, in their expected types.
+
+    Returns the table, or None when the file cannot be read, and the problems of file and column types.
+    """
+    if not path.is_file():
+        return None, [f"{path}: no such file" if not path.exists() else f"{path}: not a file"]
+    if path.stat().st_size > MAX_BYTES:
+        return None, [f"{path}: {path.stat().st_size:,} bytes; at most {MAX_BYTES:,} are read"]
+    try:
+        with pq.ParquetFile(path, page_checksum_verification=True) as file:
+            problems = _too_big(path, file.metadata)
+            table = None if problems else file.read()
+            if table is not None:
+                table.validate(full=True)
+    except (pa.ArrowException, OSError, ValueError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        return None, [f"{path}: not a Parquet file, truncated or damaged: {reason}"]
+    return (None, problems) if problems else conform(str(path), table, columns)
+
+
+def _too_big(path: Path, metadata: Any) -> list[str]:
+    """Refuse by the file's own metadata what would exhaust the memory when decompressed."""
+    size, values = 0, 0
+    for group in range(metadata.num_row_groups):
+        chunks = [metadata.row_group(group).column(i) for i in range(metadata.num_columns)]
+        size += sum(chunk.total_uncompressed_size for chunk in chunks)
+        values += max((chunk.num_values for chunk in chunks), default=0)
+    if size > MAX_BYTES or max(values, metadata.num_rows) > MAX_VALUES:
+        return [
+            f"{path}: holds {metadata.num_rows:,} rows, {values:,} values in one column and {size:,} bytes; "
+            f"at most {MAX_VALUES:,} values and {MAX_BYTES:,} bytes are read"
+        ]
+    return []
+
+
+def conform(file: str, table: Any, columns: Sequence[Column]) -> tuple[Any, list[str]]:
+    """Keep the usable ones of `columns` in their expected types, and report what is wrong with the others."""
+    names = [column.name for column in columns]
+    problems = [f"{file}: unknown column {name!r}; allowed: {', '.join(names)}"
+                for name in dict.fromkeys(table.column_names) if name not in names]  # fmt: skip
+    kept = {}
+    for column in columns:
+        count = table.column_names.count(column.name)
+        expected = EXPECTED[column.kind]
+        if count == 0:
+            if column.required:
+                problems.append(f"{file}: column {column.name!r} is missing; expected {expected}")
+            continue
+        if count > 1:
+            problems.append(f"{file}: column {column.name!r} occurs {count} times; expected once")
+            continue
+        values = table.column(column.name)
+        if not _is_kind(values.type, column):
+            problems.append(f"{file}: column {column.name!r} has type {values.type}; expected {expected}")
+            continue
+        try:
+            kept[column.name] = pa.concat_arrays(values.cast(expected).chunks or [pa.array([], expected)])
+        except pa.ArrowInvalid as error:
+            problems.append(f"{file}: column {column.name!r}: {error}; expected {expected}")
+    return pa.table(kept), problems
+
+
+def _is_kind(type_: Any, column: Column) -> bool:
+    """Whether an Arrow type holds the column's kind without loss."""
+    is_text = pa.types.is_string, pa.types.is_large_string, pa.types.is_string_view
+    is_list = pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list
+    if pa.types.is_null(type_):
+        return column.nullable
+    if column.kind == "integer":
+        return bool(pa.types.is_integer(type_))
+    if column.kind == "text":
+        if pa.types.is_dictionary(type_):
+            type_ = type_.value_type
+        return any(test(type_) for test in is_text)
+    if not any(test(type_) for test in is_list):
+        return False
+    if column.kind == "vector":
+        return bool(pa.types.is_floating(type_.value_type))
+    # a file in which every sentence is empty has no type of word
+    return bool(pa.types.is_null(type_.value_type)) or any(test(type_.value_type) for test in is_text)

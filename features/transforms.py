@@ -1,0 +1,200 @@
+"""What is fitted on the D training trials and applied to all scenes: components, colors, scales.
+
+The fitted transforms are an artifact of their own (npz), so that test scenes see those of the training.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from data_collection.seeding import generator
+from features.action import ActionScale, action_names, fit_action_scale, within_limits
+from features.arrays import load_arrays, save_arrays
+from features.color import fit_codebook, histogram
+from features.object_feature import weights_provenance
+from features.percept_data import Percepts
+from features.settings import FeatureSettings
+from features.table import FeatureTable
+from features.threads import one_thread
+
+log = logging.getLogger(__name__)
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Transforms:
+    """Fitted on the training trials of one condition.
+
+    Attributes:
+        pca_mean: float64 (4096,), mean of fc6.
+        pca_components: float64 (C, 4096), orthonormal rows, by falling variance.
+        feature_lowest, feature_highest: float64 (C,), values of the components that become 0 and 1.
+        codebook: float64 (colors, 3), the colors of the histogram's bins, RGB 0 to 255.
+        action_lowest, action_highest: float64 (dim_a,), raw action values that become 0 and 1.
+        action_names: (dim_a,), names of the action's numbers.
+        table_height: float64 (), z of the table, metres, robot frame.
+        provenance: JSON of settings, weights, seed and training trials.
+
+    """
+
+    pca_mean: Array
+    pca_components: Array
+    feature_lowest: Array
+    feature_highest: Array
+    codebook: Array
+    action_lowest: Array
+    action_highest: Array
+    action_names: tuple[str, ...]
+    table_height: Array
+    provenance: str
+
+    @property
+    def action_scale(self) -> ActionScale:
+        """The action's scaling and its inverse."""
+        return ActionScale(self.action_lowest, self.action_highest)
+
+    def hand_target(self, action: Array, object_position: Array) -> Array:
+        """Give where an action (…, dim_a) at an object (…, 2) puts the hand: (…, 3), metres, robot frame."""
+        return self.action_scale.hand_target(action, object_position, float(self.table_height))
+
+
+def fit_transforms(percepts: Percepts, settings: FeatureSettings, seed: int, *names: str | int) -> Transforms:
+    """Fit all transforms on training trials.
+
+    Args:
+        percepts: the D training trials of the condition.
+        settings: how many components and colors, and which scale.
+        seed: of the study.
+        names: what names the condition (experiment, D); with the seed they decide the draws.
+
+    Raises:
+        ValueError: no trial in which an action was executed, or fewer than two objects.
+
+    """
+    acted = percepts.acted & (percepts.attended_object >= 0)
+    if not acted.any() or len(percepts.box) < 2:
+        raise ValueError(
+            f"{int(acted.sum())} trials with an action and {len(percepts.box)} objects to fit on; "
+            "expected at least 1 trial and 2 objects"
+        )
+    with one_thread():
+        mean, components = _principal_components(percepts.fc6.astype(np.float64), settings.components)
+        lowest, highest = _ranges((percepts.fc6 - mean) @ components.T, settings.scale)
+        pixels = np.split(percepts.pixels, np.searchsorted(percepts.pixel_index, range(1, len(percepts.box))))
+        random = generator(seed, "features", "codebook", *names)
+        codebook = fit_codebook(pixels, settings.colors, settings.color_pixels, random)
+    scale = fit_action_scale(relative_hand(percepts)[acted], percepts.joint_lower, percepts.joint_upper)
+    provenance = {
+        "settings": json.loads(settings.canonical()),
+        "weights": weights_provenance(settings),
+        "seed": seed,
+        "names": names,
+        "trials": percepts.trial.tolist(),
+    }
+    return Transforms(
+        pca_mean=mean,
+        pca_components=components,
+        feature_lowest=lowest,
+        feature_highest=highest,
+        codebook=codebook,
+        action_lowest=scale.lowest,
+        action_highest=scale.highest,
+        action_names=action_names(percepts.joint_names),
+        table_height=percepts.table_height,
+        provenance=json.dumps(provenance, sort_keys=True),
+    )
+
+
+def _principal_components(values: Array, components: int) -> tuple[Array, Array]:
+    """Give mean and the leading components of rows of values; as many as the rows allow."""
+    from sklearn.decomposition import PCA
+
+    allowed = len(values) - 1
+    if components > allowed:
+        log.warning("%d training objects give %d components instead of %d", len(values), allowed, components)
+    with np.errstate(invalid="ignore"):  # shares of a variance of zero, which are not used
+        pca = PCA(min(components, allowed), svd_solver="full").fit(values)
+    return np.asarray(pca.mean_, dtype=np.float64), np.asarray(pca.components_, dtype=np.float64)
+
+
+def _ranges(values: Array, scale: str) -> tuple[Array, Array]:
+    """Give what becomes 0 and 1 in each column (**choice**: one range for all of them by default)."""
+    if scale == "none":
+        return np.zeros(values.shape[1]), np.ones(values.shape[1])
+    if scale == "per_component":
+        return values.min(axis=0), values.max(axis=0)
+    return np.full(values.shape[1], values.min()), np.full(values.shape[1], values.max())
+
+
+def relative_hand(percepts: Percepts) -> Array:
+    """Give the hand relative to the attended object, (D, 3); to x = y = 0 on the table without one."""
+    count = np.searchsorted(percepts.trial_index, np.arange(len(percepts.trial)))
+    known = percepts.attended_object >= 0
+    rows = np.where(known, count + percepts.attended_object, 0)
+    ground = np.where(known[:, None], percepts.position[rows], 0.0)
+    return np.asarray(percepts.hand - np.column_stack([ground, np.full(len(ground), percepts.table_height)]))
+
+
+def apply(transforms: Transforms, percepts: Percepts) -> FeatureTable:
+    """Make the feature table of some trials.
+
+    The action of a trial in which none was executed (instructions) is all zeros.
+    """
+    raw = np.column_stack([relative_hand(percepts), percepts.finger_rate, percepts.joints, percepts.touch])
+    scaled = np.where(percepts.acted[:, None], transforms.action_scale.scale(raw), 0.0)
+    with one_thread():
+        components = (percepts.fc6 - transforms.pca_mean) @ transforms.pca_components.T
+    scale = ActionScale(transforms.feature_lowest, transforms.feature_highest)
+    starts = np.searchsorted(percepts.pixel_index, np.arange(1, len(percepts.box)))
+    color = [histogram(pixels, transforms.codebook) for pixels in np.split(percepts.pixels, starts)]
+    return FeatureTable(
+        trial=percepts.trial,
+        attended_object=percepts.attended_object,
+        words=percepts.words,
+        action=within_limits(scaled, transforms.action_names, percepts.trial),
+        trial_index=percepts.trial_index,
+        position=percepts.position,
+        object_feature=scale.scale(components),
+        color=np.stack(color),
+        truth_action=percepts.truth_action,
+        truth_position=percepts.truth_position,
+        truth_object=percepts.truth_object,
+        truth_color=percepts.truth_color,
+    )
+
+
+def table_metadata(transforms: Transforms) -> dict[str, str]:
+    """Give the metadata of the Parquet files: the action's names and scaling, and where all is from."""
+    return {
+        "action_names": json.dumps(transforms.action_names),
+        "action_lowest": json.dumps(transforms.action_lowest.tolist()),
+        "action_highest": json.dumps(transforms.action_highest.tolist()),
+        "position_unit": "metres on the table, robot frame (x ahead, y left)",
+        "provenance": transforms.provenance,
+    }
+
+
+def save_transforms(path: Path, transforms: Transforms) -> None:
+    """Write transforms as npz; the same transforms give the same bytes."""
+    arrays = {name: np.asarray(value) for name, value in vars(transforms).items()}
+    save_arrays(path, "transforms", arrays)
+
+
+def load_transforms(path: Path) -> Transforms:
+    """Read what `save_transforms` wrote.
+
+    Raises:
+        ArtifactError: the file is missing, damaged or something else.
+
+    """
+    arrays: dict[str, Any] = load_arrays(path, "transforms", tuple(item.name for item in fields(Transforms)))
+    arrays["action_names"] = tuple(str(name) for name in arrays["action_names"])
+    return Transforms(**arrays | {"provenance": str(arrays["provenance"])})

@@ -1,0 +1,38 @@
+"""What one calibration log says: the empty table, and how the camera sees it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from data_collection.trial import Calibration
+from features.detection import Image
+from features.homography import Camera, find_marks, fit_camera
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """The robot's view of its table, the same for all trials of an experiment.
+
+    Attributes:
+        empty: uint8 (H, W, 3) RGB, the table without objects.
+        camera: from pixels to the table and back.
+        table_height: z of the table, metres, robot frame.
+
+    """
+
+    empty: Image
+    camera: Camera
+    table_height: float
+
+
+def fit_view(calibration: Calibration) -> View:
+    """Find the marks in the calibration image, and fit the camera to them.
+
+    Raises:
+        CalibrationError: the marks are not found, or do not fit.
+
+    """
+    marks = find_marks(calibration.image_marks, calibration.mark_rows, calibration.mark_columns)
+    camera = calibration.camera
+    fitted = fit_camera(marks, calibration.mark_positions, camera.K, camera.D)
+    return View(calibration.image_empty, fitted, calibration.table_height)

@@ -1,0 +1,124 @@
+"""The features of simulated trials, measured: detection, position, color and shape of both experiments."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from sklearn.model_selection import LeaveOneGroupOut, cross_val_predict
+from sklearn.neighbors import KNeighborsClassifier, NearestCentroid
+
+from data_collection.episode import calibrate, collect
+from data_collection.settings import Simulation
+from data_collection.trial import Truth, truth
+from features.percepts import Percepts, perceive
+from features.settings import FeatureSettings
+from features.table import FeatureTable
+from features.transforms import apply, fit_transforms
+
+pytestmark = pytest.mark.slow
+
+TRIALS = 60
+REAL = Path(__file__).parents[1] / "data_collection" / "real.yaml"
+
+
+@dataclass(frozen=True)
+class Expected:
+    """Least shares of trials, objects and objects that must be right, and largest errors of position in metres."""
+
+    simulation: Simulation
+    components: int
+    exact: float
+    color: float
+    shape: float
+    median: float
+    largest: float
+
+
+EXPECTED = {
+    "simulator": Expected(Simulation.from_mapping({}), 30, 0.995, 0.99, 0.95, 0.005, 0.015),
+    "real": Expected(Simulation.from_mapping(yaml.safe_load(REAL.read_text())), 65, 0.97, 0.95, 0.85, 0.01, 0.04),
+}
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was seen, and what there was."""
+
+    expected: Expected
+    percepts: Percepts
+    table: FeatureTable
+    truths: dict[int, Truth]
+
+
+@pytest.fixture(scope="module", params=EXPECTED)
+def measured(request: pytest.FixtureRequest) -> Measured:
+    name = request.param
+    expected = EXPECTED[name]
+    truths: dict[int, Truth] = {}
+
+    def logs() -> Iterator[Any]:
+        common: dict[str, Any] = {"experiment": name, "seed": 3, "provenance": {}}
+        for log in collect(expected.simulation, set_name="train", trials=range(1, TRIALS + 1), **common):
+            known = truth(log)
+            assert known is not None
+            truths[int(log.metadata["trial"])] = known
+            yield log
+
+    settings = FeatureSettings.from_mapping(
+        {"components": expected.components, "detection": {"on_wrong_count": "drop"}}
+    )
+    calibration = calibrate(expected.simulation, experiment=name, seed=3, provenance={})
+    percepts = perceive(logs(), calibration, settings)
+    return Measured(expected, percepts, apply(fit_transforms(percepts, settings, 3), percepts), truths)
+
+
+def matched(measured: Measured) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Trial, positions seen, and true positions nearest to them."""
+    for row, trial in enumerate(measured.percepts.trial):
+        seen = measured.percepts.position[measured.percepts.trial_index == row]
+        true = measured.truths[int(trial)].positions
+        nearest = np.linalg.norm(seen[:, None] - true[None], axis=2).argmin(axis=1)
+        yield int(trial), seen, true[nearest]
+
+
+def test_every_object_is_found_and_none_invented(measured: Measured) -> None:
+    exact = sum(
+        len(seen) == len(measured.truths[trial].positions) == len(np.unique(true, axis=0))
+        for trial, seen, true in matched(measured)
+    )
+    assert exact / TRIALS >= measured.expected.exact
+
+
+def test_positions_are_where_the_objects_stand(measured: Measured) -> None:
+    error = np.concatenate([np.linalg.norm(seen - true, axis=1) for _, seen, true in matched(measured)])
+    assert np.median(error) <= measured.expected.median
+    assert np.quantile(error, 0.99) <= measured.expected.largest
+
+
+def test_the_robot_attends_to_what_it_looks_at(measured: Measured) -> None:
+    for trial, seen, _ in matched(measured):
+        known = measured.truths[trial]
+        index = int(measured.percepts.attended_object[list(measured.percepts.trial).index(trial)])
+        assert np.linalg.norm(seen[index] - known.positions[known.attended]) < 0.05, trial
+
+
+def test_color_is_told_by_the_histogram(measured: Measured) -> None:
+    words = np.array(measured.table.truth_color)
+    training = measured.table.trial_index < TRIALS // 2
+    model = NearestCentroid().fit(measured.table.color[training], words[training])
+    assert (model.predict(measured.table.color[~training]) == words[~training]).mean() >= measured.expected.color
+
+
+def test_shape_is_told_by_other_objects_of_the_type(measured: Measured) -> None:
+    words = np.array(measured.table.truth_object)
+    objects = [f"{word} {color}" for word, color in zip(words, measured.table.truth_color or (), strict=True)]
+    told = cross_val_predict(
+        KNeighborsClassifier(3), measured.table.object_feature, words, groups=objects, cv=LeaveOneGroupOut()
+    )
+    assert (told == words).mean() >= measured.expected.shape
