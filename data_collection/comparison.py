@@ -1,0 +1,87 @@
+"""Whether two logs say the same, and simulating a log again from its own metadata."""
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from data_collection.episode import calibrate, collect, execute
+from data_collection.mcap_log import Log, LogError
+from data_collection.settings import Simulation
+
+_OWN_KEYS = ("experiment", "set", "trial", "seed", "settings")
+
+
+def differences(first: Log, second: Log) -> list[str]:
+    """Return where two logs differ: metadata, topics, times, every number and pixel; empty if nowhere."""
+    found = [
+        f"metadata {key}: {first.metadata.get(key)!r} and {second.metadata.get(key)!r}"
+        for key in sorted({*first.metadata, *second.metadata})
+        if first.metadata.get(key) != second.metadata.get(key)
+    ]
+    if len(first.messages) != len(second.messages):
+        found.append(f"{len(first.messages)} and {len(second.messages)} messages")
+    for one, other in zip(first.messages, second.messages, strict=False):
+        if (one.topic, one.time) != (other.topic, other.time):
+            found.append(f"{one.topic} at {one.time} ns and {other.topic} at {other.time} ns")
+            break
+        if not _same(one.value, other.value):
+            found.append(f"{one.topic} at {one.time} ns: values differ")
+    return found
+
+
+def regenerate(log: Log) -> Log:
+    """Simulate the trial of a log again from the settings, seed and names in its metadata.
+
+    Raises:
+        LogError: The log is not from the simulator, or its settings do not fit this version.
+    """
+    missing = [key for key in _OWN_KEYS if key not in log.metadata]
+    if missing:
+        raise LogError(
+            f"{log.source}: metadata lacks {', '.join(missing)}: only logs of the simulator can be simulated again"
+        )
+    try:
+        simulation = Simulation.from_mapping(json.loads(log.metadata["settings"]))
+    except ValueError as error:
+        raise LogError(f"{log.source}: its settings do not fit this version:\n{error}") from error
+    seed, trial = int(log.metadata["seed"]), int(log.metadata["trial"])
+    experiment, set_name = log.metadata["experiment"], log.metadata["set"]
+    provenance = _provenance(log.metadata)
+    if set_name == "calibration":
+        return calibrate(simulation, experiment=experiment, seed=seed, provenance=provenance)
+    if "command" in log.metadata:
+        command: dict[str, Any] = json.loads(log.metadata["command"])
+        return execute(
+            simulation,
+            experiment=experiment,
+            set_name=set_name,
+            trial=trial,
+            seed=seed,
+            provenance=provenance,
+            **command,
+        )
+    return next(
+        collect(
+            simulation, experiment=experiment, set_name=set_name, trials=[trial], seed=seed, provenance=provenance
+        )
+    )
+
+
+def _provenance(metadata: Mapping[str, str]) -> dict[str, str]:
+    derived = {*_OWN_KEYS, "settings_sha256", "joint_names", "tactile_names", "units", "command"}
+    return {key: value for key, value in metadata.items() if key not in derived}
+
+
+def _same(one: object, other: object) -> bool:
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, np.asarray(other))
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(_same(left, right) for left, right in zip(one, other, strict=True))
+    if dataclasses.is_dataclass(one):
+        return all(_same(getattr(one, item.name), getattr(other, item.name)) for item in dataclasses.fields(one))
+    return one == other

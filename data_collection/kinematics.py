@@ -1,0 +1,251 @@
+"""Forward and inverse kinematics of the robot, from its URDF, in numpy: plans without moving the acting robot.
+
+Angles in radians, lengths in metres, everything in the robot frame. The 30 revolute joints of the model follow the 25
+logged ones of ``channels.JOINT_NAMES`` by a matrix: version and vergence turn both eyes, one joint spreads three
+fingers, one bends ring and little finger.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from data_collection import robot_model
+from data_collection.channels import ARM_JOINTS, HAND_JOINTS, HEAD_JOINTS, JOINT_NAMES, TORSO_JOINTS
+from data_collection.messages import Floats
+
+_COUPLED: Mapping[str, Mapping[str, float]] = {
+    "eyes_version": {"l_eye_pan": 1.0, "r_eye_pan": 1.0},
+    "eyes_vergence": {"l_eye_pan": -0.5, "r_eye_pan": 0.5},
+    "r_hand_finger": {"r_index_spread": 0.25, "r_ring_spread": 0.12, "r_little_spread": 0.25},
+    "r_pinky": {"r_ring_proximal": 0.5, "r_ring_distal": 0.5, "r_little_proximal": 0.5, "r_little_distal": 0.5},
+}
+"""Logged joint → the model's joints that it drives, with factors; all others drive the joint of their own name."""
+
+_LIMITS_DEGREES = {
+    "eyes_version": (-50.0, 50.0),
+    "eyes_vergence": (0.0, 50.0),
+    "r_hand_finger": (0.0, 60.0),
+    "r_pinky": (0.0, 180.0),
+}
+
+BASE_TURN = np.diag([-1.0, -1.0, 1.0, 1.0])
+"""The URDF's robot looks along −x: turned by 180 degrees, root link and robot frame are one."""
+
+
+def joint_index(names: Sequence[str]) -> NDArray[np.intp]:
+    """Return where logged joints stand in ``JOINT_NAMES``."""
+    return np.array([JOINT_NAMES.index(name) for name in names])
+
+
+HEAD = joint_index(HEAD_JOINTS)
+HAND = joint_index(HAND_JOINTS)
+REACH = joint_index(TORSO_JOINTS + ARM_JOINTS)
+_GAZE = HEAD[
+    [0, 2, 3, 4]
+]  # neck pitch and yaw, eyes tilt and version; roll stays, vergence follows from the distance
+_VERGENCE = HEAD[5]
+_REACH_EASE = 0.005 * np.array([3.0, 4.0, 2.0, 1.0, 1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
+_GAZE_EASE = 0.05 * np.array([1.0, 1.0, 1.0, 2.0])
+
+
+@dataclass(frozen=True)
+class _Joint:
+    parent: str
+    child: str
+    origin: Floats
+    axis: Floats | None
+    number: int
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Pose of a link and how it changes.
+
+    Attributes:
+        position: (3,) of its frame.
+        axes: (3, 3) its x, y, z as columns.
+        linear: (3, 25) derivative of the position by the logged joints.
+        angular: (3, 25) rotation vector per radian of each logged joint.
+    """
+
+    position: Floats
+    axes: Floats
+    linear: Floats
+    angular: Floats
+
+    def flat(self) -> Floats:
+        """Return (7,): x y z in metres, quaternion x y z w."""
+        return np.concatenate([self.position, Rotation.from_matrix(self.axes).as_quat(canonical=True)])
+
+
+class Kinematics:
+    """Kinematic tree of the robot.
+
+    Attributes:
+        model_joints: Names of the model's revolute joints.
+        to_model: (30, 25) from logged to the model's joints.
+        from_model: (25, 30) back.
+        lower: (25,) lower limits of the logged joints.
+        upper: (25,) upper limits.
+    """
+
+    def __init__(self, urdf: str) -> None:
+        joints = ElementTree.fromstring(urdf).findall("joint")
+        moving = [joint for joint in joints if joint.get("type") == "revolute"]
+        self.model_joints = tuple(str(joint.get("name")) for joint in moving)
+        self._tree = {entry.child: entry for entry in map(self._joint, joints)}
+        bounds = {str(joint.get("name")): _limits(joint) for joint in moving}
+        bounds |= {name: (math.radians(low), math.radians(high)) for name, (low, high) in _LIMITS_DEGREES.items()}
+        self.lower: Floats = np.array([bounds[name][0] for name in JOINT_NAMES])
+        self.upper: Floats = np.array([bounds[name][1] for name in JOINT_NAMES])
+        self.to_model = np.zeros((len(self.model_joints), len(JOINT_NAMES)))
+        for column, logged in enumerate(JOINT_NAMES):
+            for name, factor in _COUPLED.get(logged, {logged: 1.0}).items():
+                self.to_model[self.model_joints.index(name), column] = factor
+        self.from_model: Floats = np.asarray(np.linalg.pinv(self.to_model), dtype=np.float64)
+
+    def _joint(self, joint: ElementTree.Element) -> _Joint:
+        name = str(joint.get("name"))
+        origin = np.eye(4)
+        origin[:3, 3] = _numbers(joint, "origin", "xyz")
+        origin[:3, :3] = Rotation.from_euler("xyz", _numbers(joint, "origin", "rpy")).as_matrix()
+        parent, child = joint.find("parent"), joint.find("child")
+        links = [str(link.get("link")) for link in (parent, child) if link is not None]
+        if joint.get("type") != "revolute":
+            return _Joint(links[0], links[1], origin, None, -1)
+        return _Joint(links[0], links[1], origin, _numbers(joint, "axis", "xyz"), self.model_joints.index(name))
+
+    def pose(self, link: str, angles: Floats) -> Pose:
+        """Return the pose of a link at the logged joints' angles (25,)."""
+        chain = []
+        while link in self._tree:
+            chain.append(self._tree[link])
+            link = chain[-1].parent
+        turns = self.to_model @ angles
+        frame = BASE_TURN
+        axes, centres, numbers = [], [], []
+        for joint in reversed(chain):
+            frame = frame @ joint.origin
+            if joint.axis is not None:
+                axes.append(frame[:3, :3] @ joint.axis)
+                centres.append(frame[:3, 3])
+                numbers.append(joint.number)
+                frame = frame @ _turned(joint.axis, turns[joint.number])
+        angular, linear = np.zeros((3, len(turns))), np.zeros((3, len(turns)))
+        if numbers:
+            columns = np.array(axes)
+            angular[:, numbers] = columns.T
+            linear[:, numbers] = np.cross(columns, frame[:3, 3] - np.array(centres)).T
+        return Pose(frame[:3, 3], frame[:3, :3], linear @ self.to_model, angular @ self.to_model)
+
+    def reach(self, position: Floats, start: Floats, comfortable: Floats) -> Floats:
+        """Bring the grasp point to ``position`` with the palm as much downwards as the limits allow.
+
+        Args:
+            position: (3,) of the grasp point.
+            start: (25,) angles to start the search from; those of head and hand are kept.
+            comfortable: (25,) angles that the solution leans to where the task leaves it free.
+
+        Returns:
+            (25,) angles inside the joints' limits.
+        """
+
+        def whole(angles: Floats) -> Floats:
+            posture = start.copy()
+            posture[REACH] = angles
+            return posture
+
+        def residual(angles: Floats) -> Floats:
+            pose = self.pose(robot_model.GRASP_LINK, whole(angles))
+            tilt = pose.axes[:, 2] - np.array([0.0, 0.0, -1.0])
+            ease = _REACH_EASE * (angles - comfortable[REACH])
+            return np.concatenate([100.0 * (pose.position - position), 0.5 * tilt, ease])
+
+        def slope(angles: Floats) -> Floats:
+            pose = self.pose(robot_model.GRASP_LINK, whole(angles))
+            tilt = np.cross(pose.angular.T, pose.axes[:, 2]).T
+            return np.vstack([100.0 * pose.linear[:, REACH], 0.5 * tilt[:, REACH], np.diag(_REACH_EASE)])
+
+        return whole(self._solve(residual, slope, start, REACH))
+
+    def look(self, target: Floats, posture: Floats, comfortable: Floats) -> Floats:
+        """Return ``posture`` (25,) with head and eyes turned so that both eyes fixate ``target`` (3,)."""
+
+        def whole(angles: Floats) -> Floats:
+            turned = posture.copy()
+            turned[_GAZE] = angles
+            turned[_VERGENCE] = 0.0
+            return turned
+
+        def line(pose: Pose) -> tuple[Floats, float]:
+            distance = float(np.linalg.norm(target - pose.position))
+            return (target - pose.position) / distance, distance
+
+        def residual(angles: Floats) -> Floats:
+            left = self.pose(robot_model.LEFT_EYE_LINK, whole(angles))
+            pose = self._between(left)
+            ease = _GAZE_EASE * (angles - comfortable[_GAZE])
+            return np.concatenate([10.0 * (pose.axes[:, 0] - line(pose)[0]), ease])
+
+        def slope(angles: Floats) -> Floats:
+            pose = self._between(self.pose(robot_model.LEFT_EYE_LINK, whole(angles)))
+            towards, distance = line(pose)
+            axis = np.cross(pose.angular.T, pose.axes[:, 0]).T
+            drift = -(np.eye(3) - np.outer(towards, towards)) @ pose.linear / distance
+            return np.vstack([10.0 * (axis - drift)[:, _GAZE], np.diag(_GAZE_EASE)])
+
+        turned = whole(self._solve(residual, slope, posture, _GAZE))
+        pose = self._between(self.pose(robot_model.LEFT_EYE_LINK, turned))
+        turned[_VERGENCE] = 2.0 * math.atan2(robot_model.EYE_BASELINE / 2, line(pose)[1])
+        return turned
+
+    def _between(self, left: Pose) -> Pose:
+        """Return the pose of the point between the eyes, with the direction of parallel eyes."""
+        offset = -robot_model.EYE_BASELINE / 2 * left.axes[:, 1]
+        return Pose(left.position + offset, left.axes, left.linear + np.cross(left.angular.T, offset).T, left.angular)
+
+    def _solve(self, residual, slope, start: Floats, free: NDArray[np.intp]) -> Floats:  # type: ignore[no-untyped-def]
+        low, high = self.lower[free] + 1e-3, self.upper[free] - 1e-3
+        first = np.clip(start[free], low + 1e-6, high - 1e-6)
+        solved = least_squares(residual, first, jac=slope, bounds=(low, high), max_nfev=60, xtol=1e-6, ftol=1e-9)
+        return np.asarray(solved.x, dtype=np.float64)
+
+
+def rotation(quaternion: Floats) -> Floats:
+    """Return the (3, 3) rotation matrix of a quaternion x y z w."""
+    x, y, z, w = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def _turned(axis: Floats, angle: float) -> Floats:
+    """Return the (4, 4) rotation by ``angle`` about a unit ``axis`` (Rodrigues)."""
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    frame = np.eye(4)
+    frame[:3, :3] += math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)
+    return frame
+
+
+def _numbers(joint: ElementTree.Element, tag: str, key: str) -> Floats:
+    element = joint.find(tag)
+    text = "0 0 0" if element is None else element.get(key, "0 0 0")
+    return np.array([float(value) for value in text.split()])
+
+
+def _limits(joint: ElementTree.Element) -> tuple[float, float]:
+    limit = joint.find("limit")
+    if limit is None:
+        raise ValueError(f"joint {joint.get('name')} has no limits")
+    return float(limit.get("lower", "nan")), float(limit.get("upper", "nan"))

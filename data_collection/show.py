@@ -1,0 +1,144 @@
+"""A log as pictures: a strip of what the robot saw, and an animation of the robot from outside."""
+
+import json
+import math
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from data_collection import channels, scene, task
+from data_collection.mcap_log import Log
+from data_collection.messages import Image, JointState
+from data_collection.settings import ObjectKind, Simulation
+from data_collection.trial import observation, truth
+from data_collection.world import World
+
+_CAPTION = 28
+_EYE, _TOWARDS = np.array([1.02, -0.46, 0.50]), np.array([0.14, -0.02, 0.06])
+
+
+def strip(log: Log, only: tuple[bool, bool, bool] = (True, True, True)) -> Image:
+    """Return the pictures before, at gaze and after side by side, with trial and sentence written under them.
+
+    Args:
+        log: Log of a trial or an instruction.
+        only: Which of the three pictures to take.
+    """
+    from PIL import Image as Pillow
+    from PIL import ImageDraw, ImageFont
+
+    seen = observation(log)
+    known = truth(log)
+    taken = (seen.image_before, seen.image_gaze, seen.image_after)
+    pictures = [image for image, wanted in zip(taken, only, strict=True) if wanted and image is not None]
+    row = np.hstack(pictures)
+    canvas = Pillow.new("RGB", (row.shape[1], row.shape[0] + _CAPTION), "white")
+    canvas.paste(Pillow.fromarray(row), (0, 0))
+    done = "" if known is None else f"   [{known.outcome.get('action', known.action_word)}]"
+    text = f"{seen.trial}: {' '.join(seen.words) or '(nothing said)'}{done}"
+    ImageDraw.Draw(canvas).text((8, row.shape[0] + 5), text, fill="black", font=ImageFont.load_default(size=15))
+    return np.asarray(canvas, dtype=np.uint8)
+
+
+def animation(log: Log, *, width: int = 480, height: int = 360, every: int = 1) -> list[Image]:
+    """Return pictures of robot, table and objects from outside at the logged joint states.
+
+    Objects are drawn where the truth topics have them; without these the robot is alone at its table.
+
+    Args:
+        log: Log of a trial.
+        width: Columns.
+        height: Rows.
+        every: Take only every so manieth joint state.
+    """
+    observation(log)
+    settings = log.metadata.get("settings")
+    simulation = Simulation.from_mapping(json.loads(settings)) if settings else Simulation()
+    states = [(message.time, message.value) for message in log.messages if message.topic == channels.JOINT_STATES]
+    poses = {message.time: message.value for message in log.messages if message.topic == channels.TRUTH_POSES}
+    ahead = (_TOWARDS - _EYE) / np.linalg.norm(_TOWARDS - _EYE)
+    view = scene.View(_EYE, ahead, np.array([0.0, 0.0, 1.0]), width, height, 46.0)
+    frames = []
+    with World(simulation, whole_robot=True) as world:
+        world.set_up(_placed(log), None)
+        for time, state in states[::every]:
+            if isinstance(state, JointState):
+                at = poses.get(time) if world.objects else None
+                world.arrange(state.position, None if at is None else np.asarray(at, dtype=np.float64))
+                frames.append(world.photograph(view))
+    return frames
+
+
+def contact_sheet(logs: Sequence[Log], columns: int = 3) -> Image:
+    """Return trials on one page: each as the pictures before and after with its sentence."""
+    tiles = [strip(log, only=(True, False, True)) for log in logs]
+    height = max(tile.shape[0] for tile in tiles)
+    width = max(tile.shape[1] for tile in tiles)
+    rows = math.ceil(len(tiles) / columns)
+    page = np.full((rows * height, columns * width, 3), 255, dtype=np.uint8)
+    for number, tile in enumerate(tiles):
+        top, left = number // columns * height, number % columns * width
+        page[top : top + tile.shape[0], left : left + tile.shape[1]] = tile
+    return page
+
+
+def gallery(simulation: Simulation, *, width: int = 900, height: int = 420) -> Image:
+    """Return a picture of all objects of an experiment on the table (Figure 7 of the paper)."""
+    kinds = simulation.kinds()
+    columns = math.ceil(len(kinds) / 2)
+    placed = [
+        task.Placed(kind, "", (0.30 + 0.12 * (number // columns), 0.09 * ((columns - 1) / 2 - number % columns)), 0.5)
+        for number, kind in enumerate(kinds)
+    ]
+    eye, towards = np.array([0.02, 0.0, 0.40]), np.array([0.36, 0.0, simulation.table.height])
+    ahead = (towards - eye) / np.linalg.norm(towards - eye)
+    with World(simulation) as world:
+        world.set_up(placed, None)
+        return world.photograph(scene.View(eye, ahead, np.array([0.0, 0.0, 1.0]), width, height, 34.0, near=0.25))
+
+
+def save_png(path: Path, image: Image) -> None:
+    """Write a picture; the file appears only when it is complete."""
+    from PIL import Image as Pillow
+
+    _replace(path, lambda name: Pillow.fromarray(image).save(name, format="PNG"))
+
+
+def save_gif(path: Path, frames: list[Image], rate: float) -> None:
+    """Write an animation of ``rate`` pictures a second."""
+    from PIL import Image as Pillow
+
+    pictures = [Pillow.fromarray(frame) for frame in frames]
+    step = max(20, round(1000.0 / rate))
+    _replace(
+        path,
+        lambda name: pictures[0].save(
+            name, format="GIF", save_all=True, append_images=pictures[1:], duration=step, loop=0
+        ),
+    )
+
+
+def _replace(path: Path, write: Callable[[Path], None]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+        name = Path(folder, path.name)
+        write(name)
+        name.replace(path)
+
+
+def _placed(log: Log) -> list[task.Placed]:
+    text = next((str(message.value) for message in log.messages if message.topic == channels.TRUTH_SCENE), None)
+    if text is None or "settings" not in log.metadata:
+        return []
+    fields = ObjectKind.__dataclass_fields__
+    return [
+        task.Placed(
+            ObjectKind(**{key: item[key] for key in fields}),
+            item["place"],
+            tuple(item["position"]),
+            float(item["turn"]),
+        )
+        for item in json.loads(text)["objects"]
+    ]

@@ -1,0 +1,185 @@
+"""What is done and said in a trial: scene, action, tutor's words. Pure functions of a random generator."""
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from data_collection.settings import ACTION, COLOR, OBJECT, POSITION, ObjectKind, Simulation, Tutor
+from data_collection.shapes import build
+
+_TRIES = 2000
+
+
+@dataclass(frozen=True)
+class Placed:
+    """An object on the table.
+
+    Attributes:
+        kind: What it is.
+        place: Word of the place that it was drawn at.
+        position: x and y of its centre, metres, robot frame.
+        turn: Angle about the vertical, radians.
+    """
+
+    kind: ObjectKind
+    place: str
+    position: tuple[float, float]
+    turn: float
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What the robot will do.
+
+    Attributes:
+        attended: Index of the object that it looks at.
+        moves: Whether the hand goes out.
+        offset: Of the hand's target from the best grasp of the attended object, metres.
+        finger_rate: Bend of the five fingers, 0 open .. 1 closed.
+    """
+
+    attended: int
+    moves: bool
+    offset: tuple[float, float, float]
+    finger_rate: float
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What physically happened, for the tutor and the logs; no feature is made of it.
+
+    Attributes:
+        displacement: Of the hand from its rest position at the end of the action, metres.
+        contact: Whether the hand touched the attended object at the end of the action.
+        force: Sum of the contact forces then, newtons.
+        finger_rate: Commanded bend of the fingers, 0..1.
+        held: Whether the object stayed in the hand in the lift test.
+        rise: Height that the object gained in the lift test, metres.
+        hand_error: Distance of the hand from its commanded target, metres; None when it was not sent anywhere.
+        toppled: Indices of objects, other than the attended one, that were moved by over 2 cm or tilted by over 30°.
+    """
+
+    displacement: float
+    contact: bool
+    force: float
+    finger_rate: float
+    held: bool
+    rise: float
+    hand_error: float | None
+    toppled: tuple[int, ...]
+
+
+def draw_scene(rng: np.random.Generator, simulation: Simulation) -> tuple[Placed, ...]:
+    """Draw the objects of a trial: different ones at different places, apart from each other, in reach and view."""
+    count = int(rng.integers(simulation.objects_least, simulation.objects_most + 1))
+    kinds = simulation.kinds()
+    chosen = [kinds[index] for index in rng.permutation(len(kinds))[:count]]
+    places = [str(place) for place in rng.permutation(list(simulation.places))[:count]]
+    return arrange(rng, simulation, chosen, places)
+
+
+def arrange(
+    rng: np.random.Generator, simulation: Simulation, kinds: Sequence[ObjectKind], places: Sequence[str]
+) -> tuple[Placed, ...]:
+    """Draw positions for objects at given places.
+
+    Raises:
+        ValueError: No arrangement without contact was found: the places are too close for the objects.
+    """
+    spread = simulation.place_spread
+    for _ in range(_TRIES):
+        placed: list[Placed] = []
+        for kind, place in zip(kinds, places, strict=True):
+            shift = rng.normal(size=2)
+            turn = math.radians(simulation.turn) * float(rng.uniform(-1.0, 1.0))
+            x, y = np.array(simulation.places[place]) + spread * shift
+            if np.hypot(*shift) <= simulation.place_cut:
+                placed.append(Placed(kind, place, (float(x), float(y)), turn))
+        if len(placed) == len(kinds) and _apart(placed, simulation.gap) and _on_table(placed, simulation):
+            return tuple(placed)
+    raise ValueError(f"simulation.places: no room for {len(kinds)} objects at {list(places)} without contact")
+
+
+def draw_instruction(
+    rng: np.random.Generator, simulation: Simulation, target: ObjectKind, place: str
+) -> tuple[tuple[Placed, ...], int]:
+    """Draw a scene of two or three objects of which one is ``target`` at ``place``; return it and the target's index.
+
+    At least one other object shares the target's word of the color or of the object channel where the experiment has
+    such objects; none shares both, so exactly one fits.
+    """
+    others = [kind for kind in simulation.kinds() if (kind.object, kind.color) != (target.object, target.color)]
+    similar = [kind for kind in others if kind.color == target.color or kind.object == target.object]
+    count = min(int(rng.integers(2, 4)), len(others) + 1, len(simulation.places))
+    pool = similar or others
+    kinds = [target]
+    if count > 1:
+        kinds.append(pool[int(rng.integers(len(pool)))])
+    rest = [kind for kind in others if kind not in kinds]
+    kinds += [rest[index] for index in rng.permutation(len(rest))[: count - len(kinds)]]
+    free = [name for name in simulation.places if name != place]
+    places = [place, *(str(name) for name in rng.permutation(free)[: count - 1])]
+    scene = arrange(rng, simulation, kinds, places)
+    order = [int(index) for index in rng.permutation(count)]
+    return tuple(scene[index] for index in order), order.index(0)
+
+
+def draw_plan(rng: np.random.Generator, simulation: Simulation, objects: int) -> Plan:
+    """Draw which object is attended, whether the hand moves, where to, and how far the fingers bend."""
+    motion = simulation.motion
+    attended = int(rng.integers(objects))
+    moves = bool(rng.random() >= motion.look_share)
+    x, y, z = rng.normal(size=3)
+    height = max(motion.height_mean + motion.height_spread * z, motion.height_least)
+    offset = (float(motion.target_spread * x), float(motion.target_spread * y), float(height))
+    rate = float(rng.random())
+    return Plan(attended, moves, offset if moves else (0.0, 0.0, 0.0), rate if moves else 0.0)
+
+
+def judge(outcome: Outcome, tutor: Tutor) -> str:
+    """Return which of the four actions the tutor sees (section 4.2.1 of the paper)."""
+    if outcome.displacement < tutor.moved:
+        return "look-at"
+    if outcome.held and outcome.finger_rate >= tutor.bend:
+        return "grasp"
+    return "touch" if outcome.contact else "reach"
+
+
+def channel_words(simulation: Simulation, action: str, placed: Placed) -> dict[str, str]:
+    """Return the word of each channel for an action on an object."""
+    return {
+        ACTION: simulation.actions[action],
+        POSITION: placed.place,
+        OBJECT: placed.kind.object,
+        COLOR: placed.kind.color,
+    }
+
+
+def utter(rng: np.random.Generator, words: dict[str, str]) -> tuple[str, ...]:
+    """Return the words in random order."""
+    said = list(words.values())
+    return tuple(said[index] for index in rng.permutation(len(said)))
+
+
+def describe(scene: Sequence[Placed]) -> list[dict[str, object]]:
+    """Return the objects as plain values for the truth topic."""
+    return [
+        {**dataclasses.asdict(item.kind), "place": item.place, "position": list(item.position), "turn": item.turn}
+        for item in scene
+    ]
+
+
+def _apart(placed: Sequence[Placed], gap: float) -> bool:
+    radii = [build(item.kind.shape, item.kind.size, item.kind.height, item.kind.style).radius for item in placed]
+    return all(
+        math.dist(first.position, second.position) >= radii[i] + radii[i + 1 + j] + gap
+        for i, first in enumerate(placed)
+        for j, second in enumerate(placed[i + 1 :])
+    )
+
+
+def _on_table(placed: Sequence[Placed], simulation: Simulation) -> bool:
+    return all(item.position[0] - simulation.table.near >= item.kind.size / 2 + 0.005 for item in placed)

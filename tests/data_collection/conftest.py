@@ -1,0 +1,62 @@
+from pathlib import Path
+
+import pytest
+import yaml
+
+from data_collection.episode import calibrate, collect, execute
+from data_collection.mcap_log import Log
+from data_collection.settings import Simulation
+
+PROVENANCE = {"code_sha256": "c0de", "lock_sha256": "10c4"}
+
+
+@pytest.fixture(scope="session")
+def simulation() -> Simulation:
+    return Simulation()
+
+
+@pytest.fixture(scope="session")
+def real() -> Simulation:
+    text = Path(__file__).with_name("real.yaml").read_text(encoding="utf-8")
+    return Simulation.from_mapping(yaml.safe_load(text))
+
+
+@pytest.fixture(scope="session")
+def trials(simulation: Simulation) -> list[Log]:
+    """Trials 1 to 4 of the simulator, collected one after the other in one process."""
+    return list(
+        collect(
+            simulation, experiment="simulator", set_name="train", trials=range(1, 5), seed=1, provenance=PROVENANCE
+        )
+    )
+
+
+@pytest.fixture(scope="session")
+def real_trial(real: Simulation) -> Log:
+    return next(collect(real, experiment="real", set_name="train", trials=[2], seed=1, provenance=PROVENANCE))
+
+
+@pytest.fixture(scope="session")
+def instruction(simulation: Simulation) -> Log:
+    return next(
+        collect(simulation, experiment="simulator", set_name="generation", trials=[1], seed=1, provenance=PROVENANCE)
+    )
+
+
+@pytest.fixture(scope="session")
+def calibration_log(simulation: Simulation) -> Log:
+    return calibrate(simulation, experiment="simulator", seed=1, provenance=PROVENANCE)
+
+
+@pytest.fixture(scope="session")
+def executed(simulation: Simulation) -> Log:
+    return execute(
+        simulation,
+        experiment="simulator",
+        trial=1,
+        seed=1,
+        attended=0,
+        target=None,
+        finger_rate=0.0,
+        provenance=PROVENANCE,
+    )

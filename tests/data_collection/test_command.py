@@ -1,0 +1,50 @@
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from data_collection.__main__ import main
+from data_collection.mcap_log import Log, write_log
+
+
+@pytest.fixture
+def log_path(trials: list[Log], tmp_path: Path) -> Path:
+    path = tmp_path / "trial_0003.mcap"
+    write_log(path, trials[2])
+    return path
+
+
+def test_check(log_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(log_path)]) == 0
+    assert "trial_0003.mcap: trial, " in capsys.readouterr().out
+
+
+def test_check_names_the_bad_one(log_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bad = log_path.with_name("bad.mcap")
+    bad.write_bytes(log_path.read_bytes()[:-100])
+    assert main(["check", str(log_path), str(bad)]) == 1
+    captured = capsys.readouterr()
+    assert "bad.mcap" in captured.err
+    assert "1 of 2 logs" in captured.out
+
+
+def test_regenerate(log_path: Path, trials: list[Log], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["regenerate", str(log_path)]) == 0
+    other = Log({**trials[2].metadata, "trial": "2"}, trials[2].messages)
+    write_log(log_path, other)
+    assert main(["regenerate", str(log_path)]) == 1
+    assert "/truth/scene at 0 ns: values differ" in capsys.readouterr().out
+
+
+def test_show(log_path: Path, tmp_path: Path) -> None:
+    assert main(["show", str(log_path), "--every", "3", "--out", str(tmp_path / "out")]) == 0
+    with Image.open(tmp_path / "out/trial_0003.png") as strip:
+        assert strip.size[0] == 3 * 400
+    with Image.open(tmp_path / "out/trial_0003.gif") as movie:
+        assert getattr(movie, "n_frames", 1) > 2
+
+
+def test_export(log_path: Path, tmp_path: Path) -> None:
+    assert main(["export-lerobot", str(log_path.parent), str(tmp_path / "set")]) == 0
+    assert (tmp_path / "set/meta/info.json").exists()
+    assert main(["export-lerobot", str(log_path.parent), str(tmp_path / "set")]) == 1

@@ -1,0 +1,224 @@
+import dataclasses
+import itertools
+import multiprocessing
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from data_collection import channels
+from data_collection.comparison import differences, regenerate
+from data_collection.episode import calibrate, collect, execute
+from data_collection.mcap_log import Log, LogError, write_log
+from data_collection.messages import JointState
+from data_collection.settings import Simulation
+from data_collection.task import Placed
+from data_collection.trial import observation, truth
+from data_collection.world import World
+
+PROVENANCE = {"code_sha256": "c0de", "lock_sha256": "10c4"}
+
+
+def _bytes(log: Log, path: Path) -> bytes:
+    write_log(path, log)
+    return path.read_bytes()
+
+
+def _one(simulation: Simulation, set_name: str, trial: int, seed: int = 1) -> Log:
+    made = collect(
+        simulation, experiment="simulator", set_name=set_name, trials=[trial], seed=seed, provenance=PROVENANCE
+    )
+    return next(made)
+
+
+def test_a_trial_does_not_depend_on_those_before_it(
+    simulation: Simulation, trials: list[Log], tmp_path: Path
+) -> None:
+    alone = _one(simulation, "train", 4)
+    assert differences(trials[3], alone) == []
+    assert _bytes(trials[3], tmp_path / "a") == _bytes(alone, tmp_path / "b")
+
+
+def test_seed_set_and_trial_all_matter(simulation: Simulation, trials: list[Log]) -> None:
+    scenes = {str(m.value) for log in trials for m in log.messages if m.topic == channels.TRUTH_SCENE}
+    for other in (_one(simulation, "description", 1), _one(simulation, "train", 1, seed=2)):
+        scenes |= {str(m.value) for m in other.messages if m.topic == channels.TRUTH_SCENE}
+    assert len(scenes) == len(trials) + 2
+
+
+@pytest.mark.parametrize("kind", ["trial", "instruction", "calibration", "executed", "real"])
+def test_regenerated_from_its_own_metadata(kind: str, request: pytest.FixtureRequest, trials: list[Log]) -> None:
+    names = {
+        "calibration": "calibration_log",
+        "real": "real_trial",
+        "instruction": "instruction",
+        "executed": "executed",
+    }
+    log: Log = trials[1] if kind == "trial" else request.getfixturevalue(names[kind])
+    assert differences(log, regenerate(log)) == []
+
+
+def test_regenerate_needs_the_simulators_metadata(trials: list[Log]) -> None:
+    with pytest.raises(LogError, match=r"robot\.mcap: metadata lacks .*settings"):
+        regenerate(dataclasses.replace(trials[0], metadata={"trial": "1"}, source="robot.mcap"))
+    bad = {**trials[0].metadata, "settings": '{"lens": 1}'}
+    with pytest.raises(LogError, match="lens"):
+        regenerate(dataclasses.replace(trials[0], metadata=bad))
+
+
+def test_metadata(trials: list[Log]) -> None:
+    metadata = trials[2].metadata
+    assert (metadata["experiment"], metadata["set"], metadata["trial"], metadata["seed"]) == (
+        "simulator",
+        "train",
+        "3",
+        "1",
+    )
+    assert metadata["code_sha256"] == "c0de"
+    assert metadata["joint_names"].split() == list(channels.JOINT_NAMES)
+    assert len(metadata["settings_sha256"]) == 64
+
+
+def test_signals_live(trials: list[Log]) -> None:
+    """Joints move, images differ, nothing is constant or not finite, the rate is the one set."""
+    moved = next(log for log in trials if (known := truth(log)) and known.outcome["hand_error"] is not None)
+    states = [m for m in moved.messages if m.topic == channels.JOINT_STATES]
+    steps = np.diff([message.time for message in states[:-1]])
+    assert steps == pytest.approx(5e7, abs=1)
+    positions = np.array([m.value.position for m in states if isinstance(m.value, JointState)])
+    still = [channels.JOINT_NAMES[joint] for joint in np.flatnonzero(np.ptp(positions, axis=0) < 1e-4)]
+    assert set(still) <= {"neck_roll"}
+    velocities = np.array([m.value.velocity for m in states if isinstance(m.value, JointState)])
+    assert np.abs(velocities).max() > 0.2
+    assert np.abs(np.diff(positions[:-1], axis=0)).max() < 0.5, "nothing jumps within 50 ms"
+    seen = observation(moved)
+    assert seen.image_gaze is not None
+    assert seen.image_after is not None
+    pictures = [image.astype(int) for image in (seen.image_before, seen.image_gaze, seen.image_after)]
+    assert all(np.abs(one - other).mean() > 1 for one, other in itertools.pairwise(pictures))
+
+
+def test_the_robot_does_not_hide_the_table(simulation: Simulation, calibration_log: Log) -> None:
+    """In the rest posture the camera sees nothing but the table where objects can be."""
+    empty = np.asarray(next(m.value for m in calibration_log.messages if m.topic == channels.CALIBRATION_EMPTY))
+    assert empty[20:262].min() > 200, "white table, no shadow and no arm"
+
+
+@pytest.mark.parametrize("shape", ["box", "cup", "ball"])
+@pytest.mark.parametrize("place", ["left"])
+def test_a_good_grasp_holds(simulation: Simulation, shape: str, place: str) -> None:
+    kind = next(kind for kind in simulation.kinds() if kind.shape == shape)
+    with World(simulation) as world:
+        world.set_up([Placed(kind, place, simulation.places[place], 0.3)], None)
+        closed = world.act(0, world.best_grasp(0), 0.85, np.zeros(2)).outcome
+        assert closed.held
+        assert closed.contact
+        assert closed.rise == pytest.approx(simulation.motion.lift_height, abs=0.01)
+        world.set_up([Placed(kind, place, simulation.places[place], 0.3)], None)
+        above = world.best_grasp(0) + np.array([0.0, 0.0, 0.05])
+        opened = world.act(0, above, 0.0, np.zeros(2)).outcome
+        assert not opened.contact
+        assert not opened.held
+        assert opened.hand_error == pytest.approx(0.0, abs=0.003)
+
+
+def test_touch_is_felt(simulation: Simulation) -> None:
+    kind = simulation.kinds()[0]
+    with World(simulation) as world:
+        world.set_up([Placed(kind, "front", (0.21, 0.0), 0.3)], None)
+        recording = world.act(0, world.best_grasp(0), 0.9, np.zeros(2))
+        first, last = recording.samples[0].touch, recording.samples[-1].touch
+        assert first.max() == 0.0
+        assert last.max() > 0.3
+        assert ((last >= 0.0) & (last <= 1.0)).all()
+
+
+def test_executed_as_commanded(simulation: Simulation, instruction: Log, executed: Log) -> None:
+    known, done = truth(instruction), truth(executed)
+    assert known is not None
+    assert done is not None
+    assert np.array_equal(known.positions, done.positions)
+    assert observation(executed).words == observation(instruction).words
+    assert np.array_equal(observation(executed).image_before, observation(instruction).image_before)
+    assert done.outcome["action"] == "look-at"
+    with pytest.raises(ValueError, match="attended object 5"):
+        execute(
+            simulation,
+            experiment="simulator",
+            trial=1,
+            seed=1,
+            attended=5,
+            target=None,
+            finger_rate=0.0,
+            provenance={},
+        )
+
+
+@pytest.mark.parametrize(
+    ("set_name", "numbers", "match"), [("test", [1], "train, generation"), ("train", [0], "from 1")]
+)
+def test_bad_requests(simulation: Simulation, set_name: str, numbers: Sequence[int], match: str) -> None:
+    with pytest.raises(ValueError, match=match):
+        next(collect(simulation, experiment="e", set_name=set_name, trials=numbers, seed=1, provenance={}))
+
+
+def test_noise_levels_are_settings(real: Simulation) -> None:
+    """Without noise two pictures of the same scene are equal; with it they differ by its size."""
+    quiet = dataclasses.replace(real, camera=dataclasses.replace(real.camera, noise=0.0, blur=0.0))
+    noisy, clean = (
+        np.asarray(calibrate(each, experiment="e", seed=1, provenance={}).messages[1].value, dtype=np.float64)
+        for each in (dataclasses.replace(real, camera=dataclasses.replace(real.camera, blur=0.0)), quiet)
+    )
+    assert (noisy - clean).std() == pytest.approx(real.camera.noise, rel=0.1)
+
+
+def _hashes(number: int) -> bytes:
+    import hashlib
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as folder:
+        return hashlib.sha256(_bytes(_one(Simulation(), "train", number), Path(folder, "a"))).digest()
+
+
+@pytest.mark.slow
+def test_same_bytes_in_one_process_and_in_four(trials: list[Log], tmp_path: Path) -> None:
+    import hashlib
+
+    ours = [hashlib.sha256(_bytes(log, tmp_path / "a")).digest() for log in trials]
+    with multiprocessing.get_context("spawn").Pool(4) as pool:
+        assert pool.map(_hashes, range(1, 5)) == ours
+
+
+@pytest.mark.slow
+def test_memory_does_not_grow(simulation: Simulation) -> None:
+    def resident() -> int:
+        status = Path("/proc/self/status").read_text(encoding="ascii")
+        return int(next(line.split()[1] for line in status.splitlines() if line.startswith("VmRSS")))
+
+    with World(simulation) as world:
+        scene = [
+            Placed(kind, place, simulation.places[place], 0.0)
+            for kind, place in zip(simulation.kinds(), simulation.places, strict=False)
+        ][:3]
+        for number in range(60):
+            world.set_up(scene, None)
+            world.picture()
+            if number == 9:
+                before = resident()
+        assert resident() - before < 20_000, "kB over 50 set-ups"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["simulation", "real"])
+def test_each_action_word_occurs(name: str, request: pytest.FixtureRequest) -> None:
+    """200 trials: each of the four words in 15 to 40 %, no bystander knocked over, the hand where it was sent."""
+    simulation: Simulation = request.getfixturevalue(name)
+    made = collect(simulation, experiment=name, set_name="train", trials=range(1, 201), seed=1, provenance={})
+    outcomes = [known.outcome for log in made if (known := truth(log)) is not None]
+    shares = {action: sum(each["action"] == action for each in outcomes) / 200 for action in simulation.actions}
+    assert all(0.15 <= share <= 0.40 for share in shares.values()), shares
+    assert sum(bool(each["toppled"]) for each in outcomes) <= 2
+    errors = [each["hand_error"] for each in outcomes if each["hand_error"] is not None and not each["contact"]]
+    assert np.median(errors) <= 0.005
+    assert np.quantile(errors, 0.99) <= 0.015
