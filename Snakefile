@@ -25,4 +25,4 @@ rule all:
     input:
         "scores.csv",
         expand("tables/{table}.{form}", table=TABLES, form=TABLE_FORMS),
-        expand("figures/{experiment}_{figure}.png", experiment=study.experiments, figure=FIT_FIGURES),
+        expand("figures/{figure}.png", figure=figures()),

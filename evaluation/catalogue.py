@@ -28,22 +28,37 @@ class Table:
     D: int | None = None
 
 
-CSL_MEASURES = ("ARI_a", "ARI_p", "ARI_o", "ARI_c", "EAR")
-
-PAPER_TABLES = {
-    "table_1a": Table("Table 1A. Learning, simulator, D = 20", "simulator", "csl", CSL_MEASURES, 20),
-    "table_1b": Table("Table 1B. Learning, simulator, D = 40", "simulator", "csl", CSL_MEASURES, 40),
+MEASURES = {
+    "csl": ("ARI_a", "ARI_p", "ARI_o", "ARI_c", "EAR"),
+    "generation": ("WAR", "OAR"),
+    "description": ("F1", "ACC"),
 }
+TITLES = {"csl": "Learning", "generation": "Action generation", "description": "Action description"}
+
+# The tables of the paper: file name, number, experiment, task, D.
+PAPER_TABLES = (
+    ("table_1a", "1A", "simulator", "csl", 20),
+    ("table_1b", "1B", "simulator", "csl", 40),
+    ("table_2", "2", "simulator", "generation", None),
+    ("table_3", "3", "simulator", "description", None),
+    ("table_4", "4", "real", "csl", None),
+    ("table_5", "5", "real", "description", None),
+)
 
 
-def tables_of(conditions: Iterable[tuple[str, int]]) -> dict[str, Table]:
-    """The tables of a study by file name: those of the paper that it can fill, and one for each experiment.
+def tables_of(conditions: Iterable[tuple[str, str, int]]) -> dict[str, Table]:
+    """The tables of a study by file name: those of the paper that it can fill, and one for each experiment and task.
 
     Args:
-        conditions: each (experiment, D) that is run.
+        conditions: each (experiment, task, D) that is run.
     """
     run = set(conditions)
-    tables = {name: table for name, table in PAPER_TABLES.items() if (table.experiment, table.D) in run}
-    for experiment in sorted({experiment for experiment, _ in run}):
-        tables[f"{experiment}_csl"] = Table(f"Learning, {experiment}", experiment, "csl", CSL_MEASURES)
+    tables = {}
+    for name, number, experiment, task, D in PAPER_TABLES:
+        if (experiment, task, D) in run or (D is None and (experiment, task) in {condition[:2] for condition in run}):
+            which = f", D = {D}" if D else ""
+            title = f"Table {number}. {TITLES[task]}, {experiment}{which}"
+            tables[name] = Table(title, experiment, task, MEASURES[task], D)
+    for experiment, task in sorted({(experiment, task) for experiment, task, _ in run}):
+        tables[f"{experiment}_{task}"] = Table(f"{TITLES[task]}, {experiment}", experiment, task, MEASURES[task])
     return tables

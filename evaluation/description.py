@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import pandas as pd
 
 from evaluation.metrics import accuracy, f1_macro
 from features.table import FeatureTable
@@ -62,3 +65,13 @@ def describe_trials(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[
     ]
     trial, channel_of, true, described = zip(*pairs, strict=True) if pairs else ((), (), (), ())
     return Descriptions(trial, channel_of, true, described)
+
+
+def write_descriptions(conditions: Sequence[Mapping[str, object]], told: Sequence[Descriptions], path: Path) -> None:
+    """Write every pair of a true and a described word, one row each, with the condition of the fit that described."""
+    frames = [
+        pd.DataFrame(asdict(one)).assign(**condition)  # type: ignore[arg-type]
+        for condition, one in zip(conditions, told, strict=True)
+    ]
+    names = [*conditions[0], "trial", "channel", "true", "described"]
+    pd.concat(frames)[names].to_csv(path, index=False, lineterminator="\n")

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from workflow.config import ConfigError
-from workflow.study import load_study
+from workflow.plan import load_study
 
 ROOT = Path(__file__).resolve().parent.parent
 

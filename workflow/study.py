@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from data_collection.settings import Simulation
-from features.settings import FeatureSettings
-from workflow.config import ConfigError, default, key_path, read_config, schema_problems
-
 CHANNELS = ("action", "position", "object", "color")
 SHARED_KEYS = ("seed", "methods", "inference", "averaged_draws", "chains", "iterations", "empty_category")
+# The tasks that use what was learned, and the key that says how many trials test it.
+TASKS = {"generation": "sentences", "description": "actions"}
 # A hyperparameter of the config, and what model.Prior calls it.
 HYPERPARAMETERS = {
     "K": "categories",
@@ -21,14 +19,6 @@ HYPERPARAMETERS = {
     "kappa0": "mean_strength",
     "V0": "scale",
     "nu0_minus_dim": "extra_freedom",
-}
-
-
-# Keys that say nothing where the data come from elsewhere.
-USELESS_WITH = {
-    "trials": ("features", "logs", "data"),
-    "trials_per_job": ("features", "data"),
-    "feature_extraction": ("features", "data"),
 }
 
 
@@ -111,24 +101,40 @@ class Study:
                         for seed in range(1, settings["seeds"] + 1):
                             yield Condition(experiment, variant, method, inference, D, ROW, seed)
 
-    def trials_needed(self, experiment: str) -> int:
-        """How many training trials are simulated for an experiment's data."""
-        users = [other for other in self.experiments.values() if other.data == experiment]
-        largest = max(D for user in users for D in user.settings["D"])
-        return int(self.experiments[experiment].settings.get("trials", largest))
+    def task_conditions(self, experiment: str, task: str) -> list[Condition]:
+        """The fits that a task (`generation`, `description`) tests; none where there is nothing to test them on."""
+        asked = self.experiments[experiment].settings[task]
+        if not self.trials(self.experiments[experiment].data, task):
+            return []
+        return [
+            condition
+            for condition in self.conditions(experiment)
+            if condition.method != "gmm" and condition.D in asked["D"] and condition.ROW in asked["ROW"]
+        ]
 
-    def blocks(self, experiment: str) -> list[tuple[int, ...]]:
-        """The trials of an experiment, numbered from 1, in the blocks that one job simulates.
+    def trials(self, experiment: str, set_name: str) -> range:
+        """The trials, numbered from 1, of a set of the data of an experiment that has data of its own.
 
-        Blocks are always whole, so that more trials mean more blocks and never another one.
+        Training trials are simulated in whole jobs, so that a larger D adds jobs and never changes another one.
+        For features of one's own, of which only the file knows, a set that is there counts as one trial.
         """
+        own = self.experiments[experiment]
+        if own.source == "logs":
+            return range(1, len(log_folder_trials(self.log_folder(experiment), set_name)) + 1)
+        if own.source == "features":
+            return range(1, 2 if set_name == "train" or set_name in own.settings["features"] else 1)
+        if set_name != "train":
+            return range(1, own.settings[set_name][TASKS[set_name]] + 1)
+        users = [other for other in self.experiments.values() if other.data == experiment]
+        needed = own.settings.get("trials", max(D for user in users for D in user.settings["D"]))
+        size = own.settings["trials_per_job"]
+        return range(1, -(-needed // size) * size + 1)
+
+    def blocks(self, experiment: str, set_name: str = "train") -> list[tuple[int, ...]]:
+        """The trials of a set in the blocks that one job simulates or looks at."""
         size = self.experiments[experiment].settings["trials_per_job"]
-        if self.experiments[experiment].source == "logs":
-            count = len(log_folder_trials(self.log_folder(experiment)))
-            trials = range(1, count + 1)
-            return [tuple(trials[first : first + size]) for first in range(0, count, size)]
-        needed = self.trials_needed(experiment)
-        return [tuple(range(first, first + size)) for first in range(1, needed + 1, size)]
+        trials = self.trials(experiment, set_name)
+        return [tuple(trials[first : first + size]) for first in range(0, len(trials), size)]
 
     def log_folder(self, experiment: str) -> Path:
         """The folder of logs that an experiment names."""
@@ -161,159 +167,16 @@ def averaged_draws(inference: str) -> int:
     return int(draws or 1)
 
 
-def load_study(path: Path) -> Study:
-    """Read, check and complete a config file.
-
-    Raises:
-        ConfigError: with everything that is wrong.
-    """
-    return plan(read_config(path), path)
-
-
-def plan(config: Mapping[str, Any], path: Path) -> Study:
-    """Check a config and fill in its defaults; `path` is the file that it came from.
-
-    Raises:
-        ConfigError: with everything that is wrong.
-    """
-    problems = schema_problems(config)
-    if problems:
-        raise ConfigError(str(path), problems)
-    experiments = {name: _complete(name, config) for name in config["experiments"]}
-    problems = [problem for name in experiments for problem in _contradictions(name, config)]
-    if problems:
-        raise ConfigError(str(path), problems)
-    study = Study(experiments, path.parent)
-    problems = [problem for name in experiments for problem in _data_problems(study, name)]
-    if problems:
-        raise ConfigError(str(path), problems)
-    return study
-
-
-def _complete(name: str, config: Mapping[str, Any]) -> Experiment:
-    own = config["experiments"][name]
-    shared = {key: config[key] for key in SHARED_KEYS if key in config}
-    optional = (*SHARED_KEYS, "ROW", "seeds", "K", "variants", "trials_per_job")
-    settings = {key: default(key) for key in optional} | shared | own
-    owner = config["experiments"].get(own.get("data"), {})
-    if "words" not in own and "words" in owner:
-        settings["words"] = owner["words"]
-    source = next((kind for kind in ("features", "logs") if kind in own), "simulation")
-    return Experiment(name, source, own.get("data", name), settings)
-
-
-def _contradictions(name: str, config: Mapping[str, Any]) -> Iterator[str]:
-    """What no single key shows: keys that exclude each other, words in two channels, references to nothing."""
-    experiments = config["experiments"]
-    own, where = experiments[name], key_path(["experiments", name])
-    sources = [key for key in ("features", "logs", "data", "simulation") if key in own]
-    if len(sources) > 1:
-        yield f"{where}: {' and '.join(sources)} exclude each other: data have one source"
-    for key, sources_without in USELESS_WITH.items():
-        for source in sources_without:
-            if key in own and source in own:
-                yield f"{where}.{key}: has no effect with {source} (remove it)"
-    owner = own.get("data", name)
-    if owner not in experiments or (owner == name and "data" in own):
-        others = ", ".join(sorted(set(experiments) - {name})) or "there is none"
-        yield f"{where}.data: {owner!r} is no other experiment (allowed: {others})"
-        return
-    if "data" in experiments[owner] and owner != name:
-        yield f"{where}.data: {owner} has no data of its own but shares those of {experiments[owner]['data']}"
-    words = own.get("words", experiments[owner].get("words"))
-    if words is None:
-        yield f"{where}: key 'words' is missing (the words by channel: the true channel of each word)"
-        return
-    for i, channel in enumerate(CHANNELS):
-        for other in CHANNELS[i + 1 :]:
-            for word in sorted(set(words[channel]) & set(words[other])):
-                yield f"{where}.words: {word!r} is a word of {channel} and of {other} (allowed: one channel a word)"
-    trials = experiments[owner].get("trials")
-    for i, D in enumerate(own["D"]):
-        if trials is not None and D > trials:
-            yield f"{where}.D[{i}]: {D} is more than the {trials} trials collected (experiments.{owner}.trials)"
-
-
-def _data_problems(study: Study, name: str) -> Iterator[str]:
-    """What the data themselves forbid: settings of the simulation, files of one's own."""
-    experiment = study.experiments[name]
-    where = key_path(["experiments", name])
-    if experiment.data != name:
-        return
-    if experiment.source != "features":
-        try:
-            FeatureSettings.from_mapping(experiment.settings.get("feature_extraction", {}))
-        except ValueError as error:
-            yield from (f"{where}.feature_extraction: {line}" for line in str(error).splitlines())
-    if experiment.source == "simulation":
-        try:
-            simulation = Simulation.from_mapping(experiment.settings.get("simulation", {}))
-        except ValueError as error:
-            yield from (f"{where}.simulation: {line}" for line in str(error).splitlines())
-        else:
-            yield from (f"{where}.simulation: {line}" for line in simulation.check_words(experiment.words))
-    if experiment.source == "logs":
-        yield from _log_problems(study, experiment)
-    if experiment.source == "features":
-        yield from _table_problems(study, experiment)
-
-
-def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
-    where = key_path(["experiments", experiment.name, "logs"])
-    folder = study.log_folder(experiment.name)
-    if not (folder / "calibration.mcap").is_file():
-        yield f"{where}: {folder / 'calibration.mcap'} is not a file (the log of the camera's calibration)"
-    count = len(log_folder_trials(folder))
-    needed = max(D for user in study.experiments.values() if user.data == experiment.name for D in user.settings["D"])
-    if count < needed:
-        yield (
-            f"{where}: D is up to {needed}, but {folder / 'train'} holds {count} logs numbered without a gap "
-            "(trial_0001.mcap, trial_0002.mcap, …)"
-        )
-
-
-def log_folder_trials(folder: Path) -> list[Path]:
-    """The training logs trial_0001.mcap, trial_0002.mcap, … of a folder, up to the first gap."""
+def log_folder_trials(folder: Path, set_name: str) -> list[Path]:
+    """The logs trial_0001.mcap, trial_0002.mcap, … of a set in a folder, up to the first gap."""
     present: list[Path] = []
-    while (path := folder / "train" / f"trial_{len(present) + 1:04}.mcap").is_file():
+    while (path := folder / set_name / f"trial_{len(present) + 1:04}.mcap").is_file():
         present.append(path)
     return present
 
 
-def _table_problems(study: Study, experiment: Experiment) -> Iterator[str]:
-    from features.table import check_table, read_table
-
-    where = key_path(["experiments", experiment.name, "features"])
-    paths = feature_files(study, experiment.name)
-    missing = [f"{where}.{key}: {path} is not a file" for key, path in paths.items() if not path.is_file()]
-    if missing:
-        yield from missing
-        return
-    problems = check_table(
-        **{f"{key}_path": path for key, path in paths.items()}, words=experiment.words, need_attention=True
-    )
-    if problems:
-        yield from (f"{where}: {problem}" for problem in problems)
-        return
-    table = read_table(paths["trials"], paths["objects"], need_attention=True)
-    for user in study.experiments.values():
-        if user.data != experiment.name:
-            continue
-        for i, D in enumerate(user.settings["D"]):
-            if D > len(table.trial):
-                yield (
-                    f"experiments.{user.name}.D[{i}]: {D} is more than the {len(table.trial)} trials "
-                    f"of {paths['trials']}"
-                )
-        for row, sentence in enumerate(table.words):
-            if len(sentence) > len(CHANNELS) and "proposed" in user.settings["methods"]:
-                yield (
-                    f"{where}: {paths['trials']}, trial {table.trial[row]}: {len(sentence)} words, but "
-                    f"method proposed explains at most {len(CHANNELS)} (one a channel)"
-                )
-
-
-def feature_files(study: Study, experiment: str) -> dict[str, Path]:
-    """The two Parquet files that an experiment with features of its own names."""
+def feature_files(study: Study, experiment: str, set_name: str = "train") -> dict[str, Path]:
+    """The two Parquet files of a set that an experiment with features of its own names."""
     named = study.experiments[experiment].settings["features"]
+    named = named if set_name == "train" else named[set_name]
     return {key: (study.folder / named[key]).resolve() for key in ("trials", "objects")}

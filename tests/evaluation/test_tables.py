@@ -89,4 +89,4 @@ def test_every_form_shows_the_same(scores: pd.DataFrame, tmp_path: Path) -> None
 
 
 def test_the_tables_of_a_study() -> None:
-    assert set(tables_of([("simulator", 20), ("own", 5)])) == {"table_1a", "simulator_csl", "own_csl"}
+    assert set(tables_of([("simulator", "csl", 20), ("own", "csl", 5)])) == {"table_1a", "simulator_csl", "own_csl"}

@@ -13,7 +13,8 @@ import yaml
 from tests.synthetic import WORDS
 from tests.workflow.violations import Breaker
 from workflow.config import SCHEMAS, ConfigError, default, key_path, read_config, schema_problems
-from workflow.study import Study, load_study, plan
+from workflow.plan import load_study, plan
+from workflow.study import Study
 
 FILE = Path("study.yaml")
 OVERRIDES: dict[str, Any] = {
@@ -33,6 +34,8 @@ OVERRIDES: dict[str, Any] = {
     "trials": 40,
     "D": [20],
     "ROW": [0],
+    "generation": {"sentences": 12, "D": [20], "ROW": [0]},
+    "description": {"actions": 12, "D": [20], "ROW": [0]},
     "features": {"trials": "trials.parquet", "objects": "objects.parquet"},
     "logs": "logs",
 }
@@ -85,6 +88,7 @@ def test_every_key_is_broken_somehow() -> None:
     assert missing == []
 
 
+@pytest.mark.bad_input
 @pytest.mark.parametrize(("path", "broken"), CASES)
 def test_broken_key_is_named(path: tuple[str | int, ...], broken: dict[str, Any]) -> None:
     problems = problems_of(broken)
@@ -92,6 +96,7 @@ def test_broken_key_is_named(path: tuple[str | int, ...], broken: dict[str, Any]
     assert all(len(problem) < 1500 for problem in problems)
 
 
+@pytest.mark.bad_input
 @pytest.mark.parametrize(
     ("change", "where", "says"),
     [
@@ -102,6 +107,12 @@ def test_broken_key_is_named(path: tuple[str | int, ...], broken: dict[str, Any]
         ),
         ({"words": None}, "experiments.own", "key 'words' is missing"),
         ({"D": [6, 50], "trials": 40}, "experiments.own.D[1]", "50 is more than the 40 trials collected"),
+        (
+            {"generation": {"D": [7]}},
+            "experiments.own.generation.D[0]",
+            "7 is not run (allowed: 6, from experiments.own.D)",
+        ),
+        ({"description": {"ROW": [0, 5]}}, "experiments.own.description.ROW[1]", "5 is not run (allowed: 0"),
         ({"data": "own"}, "experiments.own.data", "is no other experiment"),
         ({"data": "other"}, "experiments.own.data", "'other' is no other experiment (allowed: there is none)"),
         ({"features": {"trials": "a", "objects": "b"}, "logs": "c"}, "experiments.own", "features and logs exclude"),
@@ -129,6 +140,7 @@ def test_sharing_the_data_of_an_experiment_that_shares() -> None:
     assert "b has no data of its own" in problems_of({"experiments": experiments})[0]
 
 
+@pytest.mark.bad_input
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -199,7 +211,7 @@ def test_blocks_of_trials_stay_when_more_are_added() -> None:
 
 def test_trials_of_an_experiment_that_others_share() -> None:
     experiments = {"a": {"words": WORDS, "D": [6]}, "b": {"data": "a", "D": [21]}}
-    assert study({"experiments": experiments}).trials_needed("a") == 21
+    assert study({"experiments": experiments}).trials("a", "train") == range(1, 31)
 
 
 def test_the_configs_of_the_project_are_valid() -> None:

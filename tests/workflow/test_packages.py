@@ -37,8 +37,8 @@ def test_no_package_imports_a_later_stage(package: str) -> None:
             assert roots - {package} <= ALLOWED[package], path
 
 
-@pytest.mark.parametrize(("library", "homes"), [("pybullet", 2), ("matplotlib", 1), ("torch", 1)])
-def test_heavy_libraries_have_one_home(library: str, homes: int) -> None:
+@pytest.mark.parametrize(("library", "homes"), [("pybullet", 2), ("matplotlib", 2), ("torch", 1)])
+def test_heavy_libraries_have_few_homes(library: str, homes: int) -> None:
     users = [
         path
         for package in STAGES

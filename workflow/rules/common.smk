@@ -10,7 +10,10 @@ from snakemake.exceptions import WorkflowError
 
 from workflow.config import ConfigError
 from workflow.provenance import code_hash, lock_hash
-from workflow.study import FIT_PATH, averaged_draws, feature_files, plan
+from workflow.plan import plan
+from workflow.study import FIT_PATH, TASKS, averaged_draws, feature_files
+
+SETS = ("train", "generation", "description")
 
 # One thread a job: the same bytes on any number of cores, and as many jobs as cores.
 for library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA"):
@@ -22,7 +25,6 @@ try:
     study = plan(config, CONFIG_FILE)
 except ConfigError as error:
     raise WorkflowError(str(error))
-
 
 
 def settings(wildcards):

@@ -5,8 +5,9 @@ def simulated_blocks():
     """Each block of trials that one job simulates: (experiment, set, trials)."""
     for name, experiment in study.experiments.items():
         if experiment.source == "simulation" and experiment.data == name:
-            for trials in study.blocks(name):
-                yield name, "train", trials
+            for set_name in SETS:
+                for trials in study.blocks(name, set_name):
+                    yield name, set_name, trials
 
 
 def log_path(experiment, set_name, trial):
@@ -26,14 +27,14 @@ def calibration_path(wildcards):
 rule calibrate:
     output:
         "mcap/{experiment}/calibration.mcap",
-    params:
-        seed=lambda wildcards: settings(wildcards)["seed"],
-        simulation=lambda wildcards: settings(wildcards).get("simulation", {}),
-        code=tracked("calibrate.py"),
     log:
         "joblogs/calibrate/{experiment}.log",
     wildcard_constraints:
         experiment=sources("simulation"),
+    params:
+        seed=lambda wildcards: settings(wildcards)["seed"],
+        simulation=lambda wildcards: settings(wildcards).get("simulation", {}),
+        code=tracked("calibrate.py"),
     script:
         "../scripts/calibrate.py"
 
@@ -46,6 +47,8 @@ for name, set_name, trials in simulated_blocks():
             f"collect_{name}_{set_name}_{trials[0]}_to_{trials[-1]}"
         output:
             [log_path(name, set_name, trial) for trial in trials],
+        log:
+            f"joblogs/collect/{name}_{set_name}_{trials[0]:04}-{trials[-1]:04}.log",
         params:
             experiment=name,
             set_name=set_name,
@@ -53,7 +56,5 @@ for name, set_name, trials in simulated_blocks():
             seed=study.experiments[name].settings["seed"],
             simulation=study.experiments[name].settings.get("simulation", {}),
             code=tracked("collect.py"),
-        log:
-            f"joblogs/collect/{name}_{set_name}_{trials[0]:04}-{trials[-1]:04}.log",
         script:
             "../scripts/collect.py"

@@ -1,66 +1,87 @@
 """Feature tables: from logs by way of percepts, or from files of one's own."""
 
 
-def blocks_of(wildcards):
-    """The blocks of trials that hold the first D trials."""
-    return [block for block in study.blocks(wildcards.experiment) if block[0] <= int(wildcards.D)]
+def percept_paths(experiment, set_name, D=None):
+    """The percepts of a set; of training trials the blocks that hold the first D."""
+    return [
+        f"percepts/{experiment}/{set_name}_{block[0]:04}-{block[-1]:04}.npz"
+        for block in study.blocks(experiment, set_name)
+        if D is None or block[0] <= int(D)
+    ]
+
+
+def logs_of_block(wildcards):
+    """The logs of the block of trials that a path names."""
+    first, last = (int(number) for number in wildcards.block.split("-"))
+    return [log_path(wildcards.experiment, wildcards.set, trial) for trial in range(first, last + 1)]
 
 
 rule perceive:
     input:
         calibration=calibration_path,
-        logs=lambda wildcards: [
-            log_path(wildcards.experiment, wildcards.set, trial)
-            for block in study.blocks(wildcards.experiment)
-            if wildcards.block == f"{block[0]:04}-{block[-1]:04}"
-            for trial in block
-        ],
+        logs=logs_of_block,
     output:
         "percepts/{experiment}/{set}_{block}.npz",
-    params:
-        extraction=lambda wildcards: settings(wildcards).get("feature_extraction", {}),
-        code=tracked("perceive.py"),
     log:
         "joblogs/perceive/{experiment}_{set}_{block}.log",
     wildcard_constraints:
         experiment=sources("simulation", "logs"),
+    params:
+        extraction=lambda wildcards: settings(wildcards).get("feature_extraction", {}),
+        code=tracked("perceive.py"),
     script:
         "../scripts/perceive.py"
 
 
 rule features:
     input:
-        percepts=lambda wildcards: [
-            f"percepts/{wildcards.experiment}/train_{block[0]:04}-{block[-1]:04}.npz" for block in blocks_of(wildcards)
-        ],
+        percepts=lambda wildcards: percept_paths(wildcards.experiment, "train", wildcards.D),
     output:
         trials="features/{experiment}/D{D}/train_trials.parquet",
         objects="features/{experiment}/D{D}/train_objects.parquet",
         transforms="features/{experiment}/D{D}/transforms.npz",
-    params:
-        seed=lambda wildcards: settings(wildcards)["seed"],
-        extraction=lambda wildcards: settings(wildcards).get("feature_extraction", {}),
-        code=tracked("features.py"),
     log:
         "joblogs/features/{experiment}_D{D}.log",
     wildcard_constraints:
         experiment=sources("simulation", "logs"),
+    params:
+        seed=lambda wildcards: settings(wildcards)["seed"],
+        extraction=lambda wildcards: settings(wildcards).get("feature_extraction", {}),
+        code=tracked("features.py"),
     script:
         "../scripts/features.py"
 
 
+# The transforms are fitted on training trials, and only applied to what the robot is tested on.
+rule test_features:
+    input:
+        percepts=lambda wildcards: percept_paths(wildcards.experiment, wildcards.set),
+        transforms="features/{experiment}/D{D}/transforms.npz",
+    output:
+        trials="features/{experiment}/D{D}/{set}_trials.parquet",
+        objects="features/{experiment}/D{D}/{set}_objects.parquet",
+    log:
+        "joblogs/features/{experiment}_D{D}_{set}.log",
+    wildcard_constraints:
+        experiment=sources("simulation", "logs"),
+        set="generation|description",
+    params:
+        code=tracked("test_features.py"),
+    script:
+        "../scripts/test_features.py"
+
+
 rule own_features:
     input:
-        unpack(lambda wildcards: feature_files(study, wildcards.experiment)),
+        unpack(lambda wildcards: feature_files(study, wildcards.experiment, wildcards.set)),
     output:
-        trials="features/{experiment}/D{D}/train_trials.parquet",
-        objects="features/{experiment}/D{D}/train_objects.parquet",
-    params:
-        words=lambda wildcards: study.experiments[wildcards.experiment].words,
-        code=tracked("own_features.py"),
+        trials="features/{experiment}/D{D}/{set}_trials.parquet",
+        objects="features/{experiment}/D{D}/{set}_objects.parquet",
     log:
-        "joblogs/own_features/{experiment}_D{D}.log",
+        "joblogs/own_features/{experiment}_D{D}_{set}.log",
     wildcard_constraints:
         experiment=sources("features"),
+    params:
+        code=tracked("own_features.py"),
     script:
         "../scripts/own_features.py"

@@ -1,4 +1,4 @@
-"""Take over the first D trials of feature tables that somebody brings."""
+"""Take over feature tables that somebody brings: of training trials the first D, of a test set all."""
 
 from pathlib import Path
 
@@ -6,7 +6,11 @@ from features.table import head, read_table, write_table
 from workflow.job import job
 
 with job(snakemake.log[0]):
-    table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=True)
-    write_table(
-        head(table, int(snakemake.wildcards.D)), Path(snakemake.output.trials), Path(snakemake.output.objects)
+    train = snakemake.wildcards.set == "train"
+    table = read_table(
+        Path(snakemake.input.trials),
+        Path(snakemake.input.objects),
+        need_attention=snakemake.wildcards.set != "generation",
     )
+    table = head(table, int(snakemake.wildcards.D)) if train else table
+    write_table(table, Path(snakemake.output.trials), Path(snakemake.output.objects))

@@ -1,0 +1,109 @@
+"""The action generation task (sections 3.4 and 4.3 of the paper): the robot does what it is told."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from data_collection.task import Command
+from features.table import FeatureTable
+from features.transforms import Transforms
+from model import Fit
+from model.data import Floats
+from model.prediction import Answer, understand
+
+FINGER_RATE = 3
+"""Which of the numbers of an action is the rate at which the fingers bend (features.action)."""
+
+
+def objects_of(table: FeatureTable, row: int) -> dict[str, Floats]:
+    """The features (M, dim) of the objects of a table's trial, by channel."""
+    own = table.trial_index == row
+    return {"position": table.position[own], "object": table.object_feature[own], "color": table.color[own]}
+
+
+def answers(fit: Fit, table: FeatureTable) -> tuple[Answer, ...]:
+    """How the robot understands each instruction of a table; the instructed object is not looked at."""
+    return tuple(understand(fit, objects_of(table, d), table.words[d]) for d in range(len(table.trial)))
+
+
+def commands(
+    rng: np.random.Generator,
+    fit: Fit,
+    transforms: Transforms,
+    table: FeatureTable,
+    answered: Sequence[Answer],
+    rest: Floats,
+) -> tuple[Command, ...]:
+    """Turn answers into actions: of the mean μ^a_k the gaze, the hand's target and the finger rate are carried out.
+
+    A target that is nearer to the hand's rest position than to the object leaves the hand at rest: that is what
+    a learned look-at is (model.md, section 5).
+
+    Args:
+        rng: decides between tied choices.
+        fit: what the robot learned.
+        transforms: fitted with the features that the fit has seen; they undo the scaling of actions.
+        table: the instructions' scenes.
+        answered: how the robot understands each instruction.
+        rest: (D, 3) where the hand rests in each scene, metres, robot frame.
+    """
+    told = []
+    for d, answer in enumerate(answered):
+        choices = answer.choices()
+        m, k = choices[int(rng.integers(len(choices)))]
+        place = objects_of(table, d)["position"][m]
+        mean = fit.state.mean[0][k]
+        target = transforms.hand_target(mean, place)
+        on_table = np.array([*place, float(transforms.table_height)])
+        stays = bool(np.linalg.norm(target - rest[d]) < np.linalg.norm(target - on_table))
+        rate = float(np.clip(transforms.action_scale.unscale(mean)[FINGER_RATE], 0.0, 1.0))
+        told.append(Command(int(table.trial[d]), place, None if stays else target, 0.0 if stays else rate))
+    return tuple(told)
+
+
+def write_answers(table: FeatureTable, answered: Sequence[Answer], judged: Sequence[str | None], path: Path) -> None:
+    """Write a row an instruction: what was asked, what was chosen, and what happened.
+
+    `object_right` is 1 or 0, or between where choices are tied; `action` is the true word of the instruction,
+    `judged` the tutor's word for what the robot did, empty where nothing was executed.
+    """
+    rows = [
+        {
+            "trial": int(table.trial[d]),
+            "instruction": " ".join(table.words[d]),
+            "ignored": " ".join(answer.ignored),
+            "objects": len(answer.log_scores),
+            "instructed": int(table.attended_object[d]),
+            "chosen": " ".join(sorted({str(m) for m, _ in answer.choices()})),
+            "category": " ".join(sorted({str(k) for _, k in answer.choices()})),
+            "object_right": _object_right(answer, int(table.attended_object[d])),
+            "action": table.truth_action[d] if table.truth_action else None,
+            "judged": judged[d],
+        }
+        for d, answer in enumerate(answered)
+    ]
+    pd.DataFrame(rows).to_csv(path, index=False, lineterminator="\n")
+
+
+def _object_right(answer: Answer, instructed: int) -> float | None:
+    """Whether the instructed object was chosen, in expectation over ties; None where it is not known."""
+    return None if instructed < 0 else float(np.mean([m == instructed for m, _ in answer.choices()]))
+
+
+def read_answers(path: Path) -> pd.DataFrame:
+    """Read what `write_answers` wrote."""
+    return pd.read_csv(path, dtype={"chosen": str, "category": str, "action": str, "judged": str})
+
+
+def measures(answered: pd.DataFrame) -> dict[str, float | None]:
+    """OAR and WAR over the instructions; None where the truth is not known, or nothing was executed."""
+    executed = answered.dropna(subset=["action", "judged"])
+    right = answered["object_right"].dropna()
+    return {
+        "OAR": float(right.mean()) if len(right) else None,
+        "WAR": float((executed["action"] == executed["judged"]).mean()) if len(executed) else None,
+    }

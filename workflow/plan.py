@@ -1,0 +1,55 @@
+"""From a config file to the plan of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from workflow.checks import contradictions, data_problems
+from workflow.config import ConfigError, default, read_config, schema_problems
+from workflow.study import SHARED_KEYS, Experiment, Study
+
+
+def load_study(path: Path) -> Study:
+    """Read, check and complete a config file.
+
+    Raises:
+        ConfigError: with everything that is wrong.
+    """
+    return plan(read_config(path), path)
+
+
+def plan(config: Mapping[str, Any], path: Path) -> Study:
+    """Check a config and fill in its defaults; `path` is the file that it came from.
+
+    Raises:
+        ConfigError: with everything that is wrong.
+    """
+    problems = schema_problems(config)
+    if problems:
+        raise ConfigError(str(path), problems)
+    experiments = {name: _complete(name, config) for name in config["experiments"]}
+    problems = [problem for name in experiments for problem in contradictions(name, config)]
+    if problems:
+        raise ConfigError(str(path), problems)
+    study = Study(experiments, path.parent)
+    problems = [problem for name in experiments for problem in data_problems(study, name)]
+    if problems:
+        raise ConfigError(str(path), problems)
+    return study
+
+
+def _complete(name: str, config: Mapping[str, Any]) -> Experiment:
+    own = config["experiments"][name]
+    shared = {key: config[key] for key in SHARED_KEYS if key in config}
+    optional = (*SHARED_KEYS, "ROW", "seeds", "K", "variants", "trials_per_job")
+    settings = {key: default(key) for key in optional} | shared | own
+    largest, fullest = [max(own["D"])], [min(settings["ROW"])]
+    settings["generation"] = {"sentences": 12, "D": largest, "ROW": fullest} | own.get("generation", {})
+    settings["description"] = {"actions": 12, "D": own["D"], "ROW": settings["ROW"]} | own.get("description", {})
+    owner = config["experiments"].get(own.get("data"), {})
+    if "words" not in own and "words" in owner:
+        settings["words"] = owner["words"]
+    source = next((kind for kind in ("features", "logs") if kind in own), "simulation")
+    return Experiment(name, source, own.get("data", name), settings)

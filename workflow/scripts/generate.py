@@ -1,0 +1,46 @@
+"""Let one fit answer the instructions of the test set, and carry the answers out where the scenes are simulated."""
+
+from pathlib import Path
+
+from data_collection.episode import execute
+from data_collection.mcap_log import write_log
+from data_collection.seeding import generator
+from data_collection.settings import Simulation
+from data_collection.trial import truth
+from evaluation.generation import answers, commands, write_answers
+from features.percept_data import join, load_percepts
+from features.table import read_table
+from features.transforms import load_transforms
+from model import load
+from workflow.job import job
+from workflow.provenance import lock_hash
+
+with job(snakemake.log[0]):
+    names, params = snakemake.wildcards, snakemake.params
+    fit = load(Path(snakemake.input.fit))
+    table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=False)
+    answered = answers(fit, table)
+    folder = Path(snakemake.output.logs)
+    folder.mkdir(parents=True)
+    judged: list[str | None] = [None] * len(answered)
+    if params.simulation is not None:
+        condition = [names[key] for key in ("experiment", "variant", "method", "inference", "D", "ROW", "seed")]
+        told = commands(
+            generator(params.seed, "generate", *condition),
+            fit,
+            load_transforms(Path(snakemake.input.transforms)),
+            table,
+            answered,
+            join([load_percepts(Path(path)) for path in snakemake.input.percepts]).hand,
+        )
+        logs = execute(
+            Simulation.from_mapping(params.simulation),
+            experiment=params.data,
+            seed=params.data_seed,
+            commands=told,
+            provenance={"code_sha256": params.code, "lock_sha256": lock_hash()},
+        )
+        for i, log in enumerate(logs):
+            write_log(folder / f"trial_{table.trial[i]:04}.mcap", log)
+            judged[i] = truth(log).action_word
+    write_answers(table, answered, judged, Path(snakemake.output.answers))
