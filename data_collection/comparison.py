@@ -3,13 +3,13 @@
 import dataclasses
 import json
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from data_collection.episode import calibrate, collect, execute
 from data_collection.mcap_log import Log, LogError
 from data_collection.settings import Simulation
+from data_collection.task import Command
 
 _OWN_KEYS = ("experiment", "set", "trial", "seed", "settings")
 
@@ -53,15 +53,16 @@ def regenerate(log: Log) -> Log:
     if set_name == "calibration":
         return calibrate(simulation, experiment=experiment, seed=seed, provenance=provenance)
     if "command" in log.metadata:
-        command: dict[str, Any] = json.loads(log.metadata["command"])
-        return execute(
-            simulation,
-            experiment=experiment,
-            set_name=set_name,
-            trial=trial,
-            seed=seed,
-            provenance=provenance,
-            **command,
+        command = Command(**json.loads(log.metadata["command"]))
+        return next(
+            execute(
+                simulation,
+                experiment=experiment,
+                set_name=set_name,
+                seed=seed,
+                commands=[command],
+                provenance=provenance,
+            )
         )
     return next(
         collect(

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -62,49 +63,33 @@ def execute(
     simulation: Simulation,
     *,
     experiment: str,
-    trial: int,
     seed: int,
-    attended: int,
-    target: Sequence[float] | None,
-    finger_rate: float,
+    commands: Sequence[task.Command],
     provenance: Mapping[str, str],
     set_name: str = "generation",
-) -> Log:
-    """Carry out an action in the scene of an instruction; return the log of what happened.
+) -> Iterator[Log]:
+    """Carry out actions in the scenes of instructions, in one world; yield the log of what happened for each.
 
     Args:
         simulation: Settings of the experiment.
         experiment: Its name.
-        trial: Number of the instruction.
         seed: Seed of the study.
-        attended: Index of the object in the scene, as in ``Truth``.
-        target: (3,) where to bring the grasp point, metres, robot frame; None leaves the hand at rest.
-        finger_rate: Bend of the fingers, 0 open .. 1 closed.
-        provenance: Further metadata of the log.
-        set_name: Set of the scene.
-
-    Raises:
-        ValueError: ``attended`` is no index of the scene.
+        commands: What to do in the scene of which instruction.
+        provenance: Further metadata of the logs.
+        set_name: Set of the scenes.
     """
-    names = (experiment, set_name, trial)
-    placed, _, words = _instruction(simulation, names, seed)
-    if not 0 <= attended < len(placed):
-        raise ValueError(
-            f"attended object {attended} is not in the scene of trial {trial} with {len(placed)} objects"
-        )
     with World(simulation) as world:
-        noise = generator(seed, "collect", *names, "noise")
-        world.set_up(placed, generator(seed, "collect", *names, "light"))
-        goal = None if target is None else np.array(target, dtype=np.float64)
-        recording = world.act(attended, goal, finger_rate, _gaze_offset(simulation, names, seed))
-        command = {
-            "attended": attended,
-            "target": None if goal is None else goal.tolist(),
-            "finger_rate": finger_rate,
-        }
-        provenance = {**provenance, "command": json.dumps(command, sort_keys=True)}
-        said = task.utter(generator(seed, "collect", *names, "sentence"), words)
-        return _log(world, names, seed, provenance, placed, attended, recording, said, noise)
+        for command in commands:
+            names = (experiment, set_name, command.trial)
+            placed, _, words = _instruction(simulation, names, seed)
+            attended = command.nearest(placed)
+            world.set_up(placed, generator(seed, "collect", *names, "light"))
+            target = None if command.target is None else np.array(command.target, dtype=np.float64)
+            recording = world.act(attended, target, command.finger_rate, _gaze_offset(simulation, names, seed))
+            said = task.utter(generator(seed, "collect", *names, "sentence"), words)
+            noise = generator(seed, "collect", *names, "noise")
+            told = {**provenance, "command": json.dumps(asdict(command), sort_keys=True)}
+            yield _log(world, names, seed, told, placed, attended, recording, said, noise)
 
 
 def calibrate(simulation: Simulation, *, experiment: str, seed: int, provenance: Mapping[str, str]) -> Log:

@@ -48,6 +48,27 @@ class Plan:
 
 
 @dataclass(frozen=True)
+class Command:
+    """An action that somebody asks for, in the scene of an instruction.
+
+    Attributes:
+        trial: Number of the instruction.
+        gaze: x and y of the place to look at, metres, robot frame: the object nearest to it is acted on.
+        target: x, y and z of where to bring the grasp point, metres, robot frame; None leaves the hand at rest.
+        finger_rate: Bend of the five fingers, 0 open .. 1 closed.
+    """
+
+    trial: int
+    gaze: tuple[float, float]
+    target: tuple[float, float, float] | None
+    finger_rate: float
+
+    def nearest(self, placed: Sequence[Placed]) -> int:
+        """Return the index of the object that is nearest to the gaze."""
+        return min(range(len(placed)), key=lambda i: math.dist(self.gaze, placed[i].position))
+
+
+@dataclass(frozen=True)
 class Outcome:
     """What physically happened, for the tutor and the logs; no feature is made of it.
 

@@ -66,6 +66,7 @@ def position_categories(fit: Fit, title: str) -> Figure:
     c = [channel.name for channel in fit.trials.channels].index("position")
     z, points = fit.state.z[c], fit.trials.channels[c].features
     palette = mpl.colormaps["tab10"]
+    behind = {"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 1.0}
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.0, 5.0), layout="constrained")
         axes = figure.subplots()
@@ -76,7 +77,9 @@ def position_categories(fit: Fit, title: str) -> Figure:
             label = f"p{i + 1}"
             if fit.trials.vocabulary:
                 label += f" “{fit.trials.vocabulary[int(np.argmax(fit.state.log_words[c][k]))]}”"
-            axes.annotate(label, own.mean(axis=0)[::-1], color=shade, ha="center", va="bottom", weight="bold")
+            axes.annotate(
+                label, own.mean(axis=0)[::-1], color=shade, ha="center", va="bottom", weight="bold", bbox=behind
+            )
         axes.set_aspect("equal", adjustable="datalim")
         axes.autoscale_view()
         axes.invert_xaxis()

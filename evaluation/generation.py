@@ -61,7 +61,9 @@ def commands(
         on_table = np.array([*place, float(transforms.table_height)])
         stays = bool(np.linalg.norm(target - rest[d]) < np.linalg.norm(target - on_table))
         rate = float(np.clip(transforms.action_scale.unscale(mean)[FINGER_RATE], 0.0, 1.0))
-        told.append(Command(int(table.trial[d]), place, None if stays else target, 0.0 if stays else rate))
+        reach = None if stays else (float(target[0]), float(target[1]), float(target[2]))
+        gaze = (float(place[0]), float(place[1]))
+        told.append(Command(int(table.trial[d]), gaze, reach, 0.0 if stays else rate))
     return tuple(told)
 
 

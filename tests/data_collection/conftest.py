@@ -6,6 +6,7 @@ import yaml
 from data_collection.episode import calibrate, collect, execute
 from data_collection.mcap_log import Log
 from data_collection.settings import Simulation
+from data_collection.task import Command
 
 PROVENANCE = {"code_sha256": "c0de", "lock_sha256": "10c4"}
 
@@ -50,13 +51,5 @@ def calibration_log(simulation: Simulation) -> Log:
 
 @pytest.fixture(scope="session")
 def executed(simulation: Simulation) -> Log:
-    return execute(
-        simulation,
-        experiment="simulator",
-        trial=1,
-        seed=1,
-        attended=0,
-        target=None,
-        finger_rate=0.0,
-        provenance=PROVENANCE,
-    )
+    command = Command(trial=1, gaze=(0.3, 0.0), target=None, finger_rate=0.0)
+    return next(execute(simulation, experiment="simulator", seed=1, commands=[command], provenance=PROVENANCE))

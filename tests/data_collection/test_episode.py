@@ -13,7 +13,7 @@ from data_collection.episode import calibrate, collect, execute
 from data_collection.mcap_log import Log, LogError, write_log
 from data_collection.messages import JointState
 from data_collection.settings import Simulation
-from data_collection.task import Placed
+from data_collection.task import Command, Placed
 from data_collection.trial import observation, truth
 from data_collection.world import World
 
@@ -142,17 +142,17 @@ def test_executed_as_commanded(simulation: Simulation, instruction: Log, execute
     assert observation(executed).words == observation(instruction).words
     assert np.array_equal(observation(executed).image_before, observation(instruction).image_before)
     assert done.outcome["action"] == "look-at"
-    with pytest.raises(ValueError, match="attended object 5"):
-        execute(
-            simulation,
-            experiment="simulator",
-            trial=1,
-            seed=1,
-            attended=5,
-            target=None,
-            finger_rate=0.0,
-            provenance={},
-        )
+    distance = np.linalg.norm(known.positions - [0.3, 0.0], axis=1)
+    assert done.attended == distance.argmin()
+
+
+def test_commands_do_not_depend_on_those_before(simulation: Simulation, executed: Log) -> None:
+    """The second command of a run gives the log that it gives alone; it reaches where it is told."""
+    commands = [Command(2, (0.21, 0.0), (0.25, 0.0, 0.1), 0.3), Command(1, (0.3, 0.0), None, 0.0)]
+    first, second = execute(simulation, experiment="simulator", seed=1, commands=commands, provenance=PROVENANCE)
+    assert differences(second, executed) == []
+    hand = observation(first).hand_position
+    assert np.linalg.norm(hand - [0.25, 0.0, 0.1]) < 0.03
 
 
 @pytest.mark.parametrize(

@@ -156,20 +156,18 @@ rule scores:
         "../scripts/scores.py"
 
 
-rule table:
+rule tables:
     input:
         "scores.csv",
     output:
-        **{form: f"tables/{{table}}.{form}" for form in TABLE_FORMS},
-    log:
-        "joblogs/tables/{table}.log",
-    wildcard_constraints:
-        table="|".join(TABLES),
+        [f"tables/{name}.{form}" for name in TABLES for form in TABLE_FORMS],
     params:
-        table=lambda wildcards: TABLES[wildcards.table],
-        code=tracked("table.py"),
+        tables=TABLES,
+        code=tracked("tables.py"),
+    log:
+        "joblogs/tables.log",
     script:
-        "../scripts/table.py"
+        "../scripts/tables.py"
 
 
 def figures():

@@ -1,0 +1,15 @@
+"""Render every table in all its forms."""
+
+from pathlib import Path
+
+from workflow.job import job
+
+from evaluation.catalogue import TABLE_FORMS
+from evaluation.scores import read_scores
+from evaluation.tables import render
+
+with job(snakemake.log[0]):
+    scores = read_scores([Path(snakemake.input[0])])
+    folder = Path(snakemake.output[0]).parent
+    for name, table in snakemake.params.tables.items():
+        render(scores, table, {form: folder / f"{name}.{form}" for form in TABLE_FORMS})
