@@ -45,10 +45,10 @@ smoke: $(READY)
 	@$(PYTHON) -m workflow run --config config/smoke.yaml --out $(if $(filter results,$(OUT)),results/smoke,$(OUT)) --cores $(CORES)
 
 test: $(READY)
-	$(PYTHON) -m pytest -n 2 -m "not slow" tests
+	$(PYTHON) -m pytest -n 2 --dist loadfile -m "not slow" tests
 
 test-slow: $(READY)
-	$(PYTHON) -m pytest -n 2 -m slow tests
+	$(PYTHON) -m pytest -n 2 --dist loadfile -m slow tests
 
 lint: $(READY)
 	$(VENV)/bin/ruff check $(SOURCES)

@@ -1,19 +1,78 @@
-"""Count the bad inputs that were tried: a test marked `bad_input` is one input that must be refused by name."""
+"""Fixtures that several packages' tests share, and what the summary of a run says beside passed and failed."""
 
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
+import yaml
+from filelock import FileLock
+
+from data_collection.episode import calibrate, collect
+from data_collection.mcap_log import Log, read_log, write_log
+from data_collection.settings import Simulation
+
+STUDY = Path(__file__).parents[1] / "config" / "config.yaml"
+TRIALS = 200
+
+
+def simulation_of(experiment: str) -> Simulation:
+    """The simulation of an experiment of the study."""
+    config = yaml.safe_load(STUDY.read_text(encoding="utf-8"))
+    return Simulation.from_mapping(config["experiments"][experiment].get("simulation", {}))
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """Many simulated training trials of an experiment of the study, and their camera calibration."""
+
+    experiment: str
+    simulation: Simulation
+    folder: Path
+
+    def trials(self) -> list[Path]:
+        """The paths of the logs, by trial."""
+        return sorted(self.folder.glob("trial_*.mcap"))
+
+    def calibration(self) -> Log:
+        """The log of the calibration."""
+        return read_log(self.folder / "calibration.mcap")
+
+
+@pytest.fixture(scope="session", params=["simulator", "real"])
+def simulated(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Simulated:
+    """200 trials of each experiment, simulated once a test run, also where several processes share the tests.
+
+    The seed is one that nothing was developed on.
+    """
+    base = tmp_path_factory.getbasetemp()
+    base = base.parent if hasattr(request.config, "workerinput") else base
+    made = Simulated(request.param, simulation_of(request.param), base / f"simulated_{request.param}")
+    common = {"experiment": request.param, "seed": 2017, "provenance": dict[str, str]()}
+    with FileLock(f"{made.folder}.lock"):
+        if not (made.folder / "calibration.mcap").is_file():
+            made.folder.mkdir()
+            for i, log in enumerate(
+                collect(made.simulation, set_name="train", trials=range(1, TRIALS + 1), **common)
+            ):
+                write_log(made.folder / f"trial_{i + 1:04}.mcap", log)
+            write_log(made.folder / "calibration.mcap", calibrate(made.simulation, **common))
+    return made
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Say how many bad inputs of each kind were refused, out of how many tried."""
+    """Say what was measured, and how many bad inputs of each kind were refused, out of how many tried."""
     tried: Counter[str] = Counter()
     refused: Counter[str] = Counter()
     for outcome in ("passed", "failed"):
         for report in terminalreporter.getreports(outcome):
-            if report.when == "call" and "bad_input" in report.keywords:
+            if report.when != "call":
+                continue
+            for name, value in report.user_properties:
+                terminalreporter.write_line(f"measured in {report.nodeid}: {name} {value}")
+            if "bad_input" in report.keywords:
                 file = report.nodeid.split("::")[0]
                 tried[file] += 1
                 refused[file] += outcome == "passed"

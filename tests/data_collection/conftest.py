@@ -1,12 +1,10 @@
-from pathlib import Path
-
 import pytest
-import yaml
 
 from data_collection.episode import calibrate, collect, execute
 from data_collection.mcap_log import Log
 from data_collection.settings import Simulation
 from data_collection.task import Command
+from tests.conftest import simulation_of
 
 PROVENANCE = {"code_sha256": "c0de", "lock_sha256": "10c4"}
 
@@ -18,8 +16,7 @@ def simulation() -> Simulation:
 
 @pytest.fixture(scope="session")
 def real() -> Simulation:
-    text = Path(__file__).with_name("real.yaml").read_text(encoding="utf-8")
-    return Simulation.from_mapping(yaml.safe_load(text))
+    return simulation_of("real")
 
 
 @pytest.fixture(scope="session")

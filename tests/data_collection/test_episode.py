@@ -1,7 +1,7 @@
 import dataclasses
 import itertools
 import multiprocessing
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +10,13 @@ import pytest
 from data_collection import channels
 from data_collection.comparison import differences, regenerate
 from data_collection.episode import calibrate, collect, execute
-from data_collection.mcap_log import Log, LogError, write_log
+from data_collection.mcap_log import Log, LogError, read_log, write_log
 from data_collection.messages import JointState
 from data_collection.settings import Simulation
 from data_collection.task import Command, Placed
 from data_collection.trial import observation, truth
 from data_collection.world import World
+from tests.conftest import Simulated
 
 PROVENANCE = {"code_sha256": "c0de", "lock_sha256": "10c4"}
 
@@ -210,15 +211,26 @@ def test_memory_does_not_grow(simulation: Simulation) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["simulation", "real"])
-def test_each_action_word_occurs(name: str, request: pytest.FixtureRequest) -> None:
-    """200 trials: each of the four words in 15 to 40 %, no bystander knocked over, the hand where it was sent."""
-    simulation: Simulation = request.getfixturevalue(name)
-    made = collect(simulation, experiment=name, set_name="train", trials=range(1, 201), seed=1, provenance={})
-    outcomes = [known.outcome for log in made if (known := truth(log)) is not None]
-    shares = {action: sum(each["action"] == action for each in outcomes) / 200 for action in simulation.actions}
+def test_what_happens_in_many_trials(simulated: Simulated, record_property: Callable[[str, object], None]) -> None:
+    """Each of the four words in 15 to 40 %, hardly a bystander knocked over, the hand where it was sent."""
+    known = [truth(read_log(path)) for path in simulated.trials()]
+    outcomes = [each.outcome for each in known if each is not None]
+    count = len(outcomes)
+    shares = {
+        action: sum(each["action"] == action for each in outcomes) / count for action in simulated.simulation.actions
+    }
+    toppled = sum(bool(each["toppled"]) for each in outcomes)
+    moved = [each for each in outcomes if each["hand_error"] is not None]
+    stopped = [each for each in moved if each["contact"] and each["hand_error"] > 0.002]
+    errors = 1000 * np.array([each["hand_error"] for each in moved if each not in stopped])
+    tried = [each for each in moved if each["contact"] and each["finger_rate"] > 0.25]
+    record_property("trials", count)
+    record_property("share of each action word", shares)
+    record_property("hand error, mm, median and 99 %", np.quantile(errors, (0.5, 0.99)).round(2).tolist())
+    record_property("moves stopped by contact, of all", f"{len(stopped)} of {len(moved)}")
+    record_property("grasp attempts that hold", f"{sum(each['held'] for each in tried)} of {len(tried)}")
+    record_property("trials with a knocked-over bystander", toppled)
     assert all(0.15 <= share <= 0.40 for share in shares.values()), shares
-    assert sum(bool(each["toppled"]) for each in outcomes) <= 2
-    errors = [each["hand_error"] for each in outcomes if each["hand_error"] is not None and not each["contact"]]
-    assert np.median(errors) <= 0.005
-    assert np.quantile(errors, 0.99) <= 0.015
+    assert toppled <= 0.01 * count
+    assert np.median(errors) <= 5.0
+    assert np.quantile(errors, 0.99) <= 15.0

@@ -161,6 +161,7 @@ type_cases = [
 ]
 
 
+@pytest.mark.bad_input
 @pytest.mark.parametrize(("file", "column", "values"), type_cases)
 def test_wrong_type(tmp_path: Path, file: str, column: str, values: Any) -> None:
     tables = {key: arrow(columns, key) for key, columns in valid().items()}
@@ -169,6 +170,7 @@ def test_wrong_type(tmp_path: Path, file: str, column: str, values: Any) -> None
     expect_only(tmp_path, tables, f"{file}.parquet: column '{column}' has type ", "; expected ")
 
 
+@pytest.mark.bad_input
 @pytest.mark.parametrize(("file", "column"), columns_where(lambda column: column.required))
 def test_missing_column(tmp_path: Path, file: str, column: str) -> None:
     tables = {key: arrow(columns, key) for key, columns in valid().items()}
@@ -176,6 +178,7 @@ def test_missing_column(tmp_path: Path, file: str, column: str) -> None:
     expect_only(tmp_path, tables, f"{file}.parquet: column '{column}' is missing; expected ")
 
 
+@pytest.mark.bad_input
 @pytest.mark.parametrize("file", COLUMNS)
 def test_unknown_column(tmp_path: Path, file: str) -> None:
     tables = {key: arrow(columns, key) for key, columns in valid().items()}
@@ -183,6 +186,7 @@ def test_unknown_column(tmp_path: Path, file: str) -> None:
     expect_only(tmp_path, tables, f"{file}.parquet: unknown column 'colour'; allowed: trial, ")
 
 
+@pytest.mark.bad_input
 @pytest.mark.parametrize(("file", "column"), columns_where(lambda column: True))
 def test_repeated_column(tmp_path: Path, file: str, column: str) -> None:
     tables = {key: arrow(columns, key) for key, columns in valid().items()}
@@ -239,6 +243,7 @@ BAD_VALUES: list[tuple[str, str, int, Any, str]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.bad_input
 @pytest.mark.parametrize(
     ("file", "column", "row", "value", "message"),
     [pytest.param(*case, id=f"{case[0]}.{case[1]}[{case[2]}]={case[3]}") for case in BAD_VALUES],
@@ -260,6 +265,7 @@ def test_bad_value_names_file_column_row(
         read_table(*paths, need_attention=True)
 
 
+@pytest.mark.bad_input
 @pytest.mark.parametrize(
     ("file", "column", "value"),
     [
@@ -303,6 +309,7 @@ def test_many_rows_with_one_problem_are_counted(tmp_path: Path) -> None:
     assert any("column 'trial': the same in 30 more rows" in problem for problem in problems)
 
 
+@pytest.mark.bad_input
 @pytest.mark.parametrize("file", COLUMNS)
 def test_no_rows(tmp_path: Path, file: str) -> None:
     data = valid()
@@ -326,6 +333,7 @@ def damaged(path: Path, how: str) -> None:
                           "half": content[: len(content) // 2]}[how])  # fmt: skip
 
 
+@pytest.mark.bad_input
 @pytest.mark.parametrize("file", COLUMNS)
 @pytest.mark.parametrize(
     ("how", "message"),
@@ -343,6 +351,7 @@ def test_unreadable_file(tmp_path: Path, file: str, how: str, message: str) -> N
     assert message in problems[0]
 
 
+@pytest.mark.bad_input
 @pytest.mark.parametrize("limit", ["MAX_BYTES", "MAX_VALUES"])
 def test_too_big(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str) -> None:
     paths = saved(tmp_path, valid())
@@ -352,6 +361,7 @@ def test_too_big(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str) ->
     assert all("at most 4" in problem for problem in problems)
 
 
+@pytest.mark.bad_input
 def test_a_small_file_that_unpacks_to_too_much_is_not_unpacked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -58,3 +58,23 @@ for name, set_name, trials in simulated_blocks():
             code=tracked("collect.py"),
         script:
             "../scripts/collect.py"
+
+
+rule pictures:
+    input:
+        lambda wildcards: [
+            log_path(wildcards.experiment, "train", trial)
+            for trial in study.trials(wildcards.experiment, "train")[:12]
+        ],
+    output:
+        trials="figures/{experiment}_trials.png",
+        objects="figures/{experiment}_objects.png",
+    log:
+        "joblogs/figures/{experiment}_pictures.log",
+    wildcard_constraints:
+        experiment=sources("simulation"),
+    params:
+        simulation=lambda wildcards: settings(wildcards).get("simulation", {}),
+        code=tracked("pictures.py"),
+    script:
+        "../scripts/pictures.py"

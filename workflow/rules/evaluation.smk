@@ -161,21 +161,23 @@ rule tables:
         "scores.csv",
     output:
         [f"tables/{name}.{form}" for name in TABLES for form in TABLE_FORMS],
+    log:
+        "joblogs/tables.log",
     params:
         tables=TABLES,
         code=tracked("tables.py"),
-    log:
-        "joblogs/tables.log",
     script:
         "../scripts/tables.py"
 
 
 def figures():
-    """The figures of a study: of the fits, and of the features where there are logs to look at."""
+    """The figures of a study: of the fits, of the features where there are logs, of what was simulated."""
     for name, experiment in study.experiments.items():
         yield from (f"{name}_{figure}" for figure in FIT_FIGURES)
         if experiment.data == name and experiment.source != "features":
             yield f"{name}_features"
+        if experiment.data == name and experiment.source == "simulation":
+            yield from (f"{name}_trials", f"{name}_objects")
 
 
 rule figure_of_features:
