@@ -11,13 +11,14 @@ PYTHON := $(VENV)/bin/python
 SOURCES := data_collection features model evaluation workflow tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study smoke test test-slow lint format bench lock clean
+.PHONY: help setup study smoke test test-slow lint format bench lock reference clean
 
 help:
 	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=$(CORES)]  run a study"
 	@echo "make smoke [OUT=$(OUT)/smoke]   a tiny study through every stage"
 	@echo "make test | test-slow | lint | format | bench"
 	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
+	@echo "make reference   run the study and keep its tables and figures in results/reference"
 	@echo "make clean   remove results but results/reference"
 
 # Everything is pinned in environment.lock and installed in a private environment. PyBullet has no wheels for
@@ -34,6 +35,8 @@ $(READY): environment.lock
 		echo "any system: pip install uv, which fetches Python 3.11 by itself." >&2; exit 1; \
 	fi
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check -r environment.lock
+	@echo "Compiling the samplers (half a minute, once)"
+	@$(PYTHON) -c "from model.fitting import prepare; prepare()"
 	@touch $@
 
 setup: $(READY)
@@ -72,6 +75,12 @@ lock:
 		--no-emit-index-url --no-emit-find-links --no-emit-trusted-host --output-file environment.lock pyproject.toml
 	sed -i 's/^\(torch==[0-9.]*\)+[a-z0-9]*/\1/' environment.lock
 	rm -rf $(VENV)-lock
+
+# What is committed of a full run, for people who want to look before they run.
+reference: study
+	@mkdir -p results/reference
+	@rm -rf results/reference/tables results/reference/figures
+	@cp -r $(OUT)/tables $(OUT)/figures $(OUT)/scores.csv results/reference/
 
 clean:
 	@find results -mindepth 1 -maxdepth 1 ! -name reference -exec rm -rf {} + 2>/dev/null || true

@@ -9,6 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from evaluation.metrics import accuracy, f1_macro
+from evaluation.scores import write_csv
 from features.table import FeatureTable
 from model import Fit
 from model.prediction import describe
@@ -74,4 +75,4 @@ def write_descriptions(conditions: Sequence[Mapping[str, object]], told: Sequenc
         for condition, one in zip(conditions, told, strict=True)
     ]
     names = [*conditions[0], "trial", "channel", "true", "described"]
-    pd.concat(frames)[names].to_csv(path, index=False, lineterminator="\n")
+    write_csv(pd.concat(frames)[names], path)

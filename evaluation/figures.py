@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Rectangle
 
 from evaluation.scores import LETTERS
+from features.files import replacing
 from model import Fit
 
 STYLE: Any = {
@@ -112,4 +113,5 @@ def _ellipse(axes: Axes, mean: np.ndarray, factor: np.ndarray, shade: Any) -> No
 def save_figure(figure: Figure, path: Path) -> None:
     """Write a figure as PNG or PDF, by the ending of the path; the same figure gives the same bytes."""
     dates = {"CreationDate": None} if path.suffix == ".pdf" else {"Software": None}
-    figure.savefig(path, dpi=200, metadata=dates)
+    with replacing(path) as (temporary,):
+        figure.savefig(temporary, dpi=200, format=path.suffix[1:], metadata=dates)

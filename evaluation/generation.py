@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from data_collection.task import Command
+from evaluation.scores import write_csv
 from features.table import FeatureTable
 from features.transforms import Transforms
 from model import Fit
@@ -88,7 +89,7 @@ def write_answers(table: FeatureTable, answered: Sequence[Answer], judged: Seque
         }
         for d, answer in enumerate(answered)
     ]
-    pd.DataFrame(rows).to_csv(path, index=False, lineterminator="\n")
+    write_csv(pd.DataFrame(rows), path)
 
 
 def _object_right(answer: Answer, instructed: int) -> float | None:

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from evaluation.metrics import Truth, adjusted_rand_index, channel_by_word, estimation_accuracy_rate
+from features.files import replacing
 from features.table import FeatureTable
 from model import METHODS, Fit
 
@@ -66,7 +67,7 @@ def score_rows(condition: Mapping[str, object], measures: Mapping[str, float | N
 
 def write_scores(rows: Iterable[Mapping[str, object]], path: Path) -> None:
     """Write rows as CSV; an undefined value is an empty field."""
-    pd.DataFrame(list(rows), columns=COLUMNS).to_csv(path, index=False, lineterminator="\n")
+    write_csv(pd.DataFrame(list(rows), columns=COLUMNS), path)
 
 
 def read_scores(paths: Iterable[Path]) -> pd.DataFrame:
@@ -86,4 +87,10 @@ def read_scores(paths: Iterable[Path]) -> pd.DataFrame:
 
 def join_scores(paths: Iterable[Path], path: Path) -> None:
     """Join score files into one, in their order."""
-    read_scores(paths).to_csv(path, index=False, lineterminator="\n")
+    write_csv(read_scores(paths), path)
+
+
+def write_csv(frame: pd.DataFrame, path: Path) -> None:
+    """Write a table as CSV; the file appears only when it is complete."""
+    with replacing(path) as (temporary,):
+        frame.to_csv(temporary, index=False, lineterminator="\n")

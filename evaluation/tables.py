@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from evaluation.catalogue import Table
+from features.files import replacing
 from model import METHODS
 
 # What tells one row of a table from another, most general first; a key with one value is left out.
@@ -90,7 +91,8 @@ def render(scores: pd.DataFrame, table: Table, paths: Mapping[str, Path]) -> Non
         "html": _HTML.format(title=title, table=shown.to_html(index=False, border=0), note=note),
     }
     for form, path in paths.items():
-        path.write_text(texts[form], encoding="utf-8")
+        with replacing(path) as (temporary,):
+            temporary.write_text(texts[form], encoding="utf-8")
 
 
 def _latex(shown: pd.DataFrame, title: str, note: str) -> str:

@@ -1,15 +1,17 @@
-"""What a sampler is given: the trials, as one element list a channel, and the priors."""
+"""What a sampler is given: the trials, as one element list a channel."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,11 @@ class Channel:
     name: str
     features: Floats
     speaker: Ints
+
+    @property
+    def dim(self) -> int:
+        """The number of dimensions dim_x."""
+        return int(self.features.shape[1])
 
 
 @dataclass(frozen=True)
@@ -59,6 +66,26 @@ class Trials:
         """(D,) the number of words N_d of each trial."""
         return np.bincount(self.word_trial, minlength=self.count).astype(np.int64)
 
+    @cached_property
+    def sentence_bounds(self) -> Ints:
+        """(D + 1,) the words of trial d are bounds[d] to bounds[d + 1] − 1."""
+        return np.concatenate([[0], np.cumsum(self.sentence_lengths)]).astype(np.int64)
+
+    @cached_property
+    def word_speaker(self) -> tuple[Ints, ...]:
+        """For each channel (T,) the element that utters each word, if the word's frame points at the channel."""
+        return tuple(channel.speaker[self.word_trial] for channel in self.channels)
+
+    @cached_property
+    def words_by_element(self) -> tuple[tuple[Ints, Ints], ...]:
+        """For each channel the words in the order of their elements (T,), and each element's bounds (N + 1,)."""
+        result = []
+        for channel, speaker in zip(self.channels, self.word_speaker, strict=True):
+            order = np.argsort(speaker, kind="stable").astype(np.int64)
+            bounds = np.searchsorted(speaker[order], np.arange(len(channel.features) + 1)).astype(np.int64)
+            result.append((order, bounds))
+        return tuple(result)
+
     @classmethod
     def from_arrays(
         cls,
@@ -80,36 +107,30 @@ class Trials:
         Raises:
             ValueError: shapes disagree, a value is not finite, or `attended` points nowhere.
         """
-        action = np.asarray(action, dtype=np.float64)
+        action = np.array(action, dtype=np.float64, order="C")
+        features = {name: np.array(rows, dtype=np.float64, order="C") for name, rows in objects.items()}
         owner = np.asarray(trial_of_object, dtype=np.int64)
         attention = np.asarray(attended, dtype=np.int64)
         D = len(action)
-        per_trial = np.bincount(owner, minlength=D)
-        if len(attention) != D or len(sentences) != D or len(per_trial) != D:
-            raise ValueError(
+        per_trial = np.bincount(owner, minlength=D) if np.all(owner >= 0) else np.empty(0, dtype=np.int64)
+        problems = _feature_problems({"action": (action, D)} | {x: (f, len(owner)) for x, f in features.items()})
+        if D == 0 or len(attention) != D or len(sentences) != D or len(per_trial) != D:
+            problems.append(
                 f"{D} actions, but {len(attention)} attended objects, {len(sentences)} sentences and "
                 f"objects of {len(per_trial)} trials: one of each is needed for each trial"
             )
+        else:
+            problems += [
+                f"attended[{d}] = {attention[d]}, but trial {d} has {per_trial[d]} objects"
+                for d in np.flatnonzero((attention < 0) | (attention >= per_trial))
+            ]
         if np.any(np.diff(owner) < 0):
-            raise ValueError("trial_of_object must not decrease: sort the objects by trial")
-        if np.any((attention < 0) | (attention >= per_trial)):
-            wrong = int(np.flatnonzero((attention < 0) | (attention >= per_trial))[0])
-            raise ValueError(
-                f"attended[{wrong}] = {attention[wrong]}, but trial {wrong} has {per_trial[wrong]} objects"
-            )
+            problems.append("trial_of_object must not decrease: sort the objects by trial")
+        if problems:
+            raise ValueError("; ".join(problems))
         first_of_trial = np.cumsum(per_trial) - per_trial
         channels = [Channel("action", action, np.arange(D, dtype=np.int64))]
-        channels += [
-            Channel(name, np.asarray(rows, dtype=np.float64), first_of_trial + attention)
-            for name, rows in objects.items()
-        ]
-        for channel in channels:
-            rows = D if channel.name == "action" else len(owner)
-            if channel.features.ndim != 2 or len(channel.features) != rows:
-                shape = channel.features.shape
-                raise ValueError(f"features of channel {channel.name} are {shape}, not ({rows}, dimension)")
-            if not np.all(np.isfinite(channel.features)):
-                raise ValueError(f"features of channel {channel.name} are not all finite")
+        channels += [Channel(name, rows, first_of_trial + attention) for name, rows in features.items()]
         vocabulary = tuple(sorted({word for sentence in sentences for word in sentence}))
         index = {word: i for i, word in enumerate(vocabulary)}
         tokens = np.array([index[word] for sentence in sentences for word in sentence], dtype=np.int64)
@@ -118,46 +139,17 @@ class Trials:
 
     def keep_words(self, kept: NDArray[np.bool_]) -> Trials:
         """Leave only the words t with kept[t]; the vocabulary stays as it is (model.md, section 2)."""
-        return Trials(self.channels, self.words[:, kept], self.word_trial[kept], self.vocabulary)
+        words = np.ascontiguousarray(self.words[:, kept])
+        return Trials(self.channels, words, self.word_trial[kept], self.vocabulary)
 
 
-@dataclass(frozen=True)
-class Prior:
-    """Hyperparameters of one channel, the paper's values as defaults (section 4.2.1).
-
-    Attributes:
-        categories: K, upper limit of the number of categories (weak limit).
-        concentration: α of the mixture weights.
-        mean: m0, the same number in every dimension.
-        mean_strength: κ0, pseudo-observations behind m0.
-        scale: V0 = scale · I.
-        extra_freedom: ν0 − dim, more than −1.
-        word_concentration: γ of the word distributions.
-        box: interval from which the mean of an empty category is drawn where
-            `empty_category` is `uniform`.
-    """
-
-    categories: int = 10
-    concentration: float = 1.0
-    mean: float = 0.0
-    mean_strength: float = 0.001
-    scale: float = 0.01
-    extra_freedom: float = 2.0
-    word_concentration: float = 0.1
-    box: tuple[float, float] = (0.0, 1.0)
-
-    def __post_init__(self) -> None:
-        wrong = [
-            f"{name} = {value} (must be {allowed})"
-            for name, value, allowed, fine in (
-                ("categories", self.categories, "at least 1", self.categories >= 1),
-                ("concentration", self.concentration, "positive", self.concentration > 0),
-                ("mean_strength", self.mean_strength, "positive", self.mean_strength > 0),
-                ("scale", self.scale, "positive", self.scale > 0),
-                ("extra_freedom", self.extra_freedom, "more than -1", self.extra_freedom > -1),
-                ("word_concentration", self.word_concentration, "positive", self.word_concentration > 0),
-            )
-            if not fine
-        ]
-        if wrong:
-            raise ValueError("hyperparameters: " + "; ".join(wrong))
+def _feature_problems(expected: Mapping[str, tuple[Floats, int]]) -> list[str]:
+    """What is wrong with features, given for each channel with the number of rows that they must have."""
+    problems = []
+    for name, (features, rows) in expected.items():
+        if features.ndim != 2 or len(features) != rows or features.shape[1] == 0:
+            problems.append(f"features of channel {name} are {features.shape}, not ({rows}, 1 or more)")
+        elif not np.all(np.isfinite(features)):
+            row = int(np.flatnonzero(~np.isfinite(features).all(axis=1))[0])
+            problems.append(f"features of channel {name} are not all finite (row {row})")
+    return problems

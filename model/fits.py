@@ -1,4 +1,4 @@
-"""Fits on disk: one npz file without pickled objects, an array for each symbol of the model.
+"""A fit, and fits on disk: one npz file without pickled objects, an array for each symbol of the model.
 
 | array | symbol | shape |
 | --- | --- | --- |
@@ -12,21 +12,84 @@
 | `pi_{x}`, `mu_{x}`, `Sigma_{x}` | π^x, μ^x, Σ^x | (K_x,), (K_x, dim_x), (K_x, dim_x, dim_x) |
 | `theta_{x}` | θ^x | (K_x, W) |
 | `prior_{x}` | hyperparameters of the channel as JSON | () |
+| `sampler` | inference, iterations, chains, settings and the generator's seed as JSON | () |
+| `history_iteration`, `history_F` | only if kept: number of the iteration from 1, F | (H,), (H, T) |
+| `history_z_{x}` | only if kept: z^x | (H, N_x) |
 """
 
 from __future__ import annotations
 
 import json
+import os
 import zipfile
-from dataclasses import asdict
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from model.data import Channel, Prior, Trials
-from model.fitting import Fit
-from model.state import State
+from model.data import Channel, Floats, Ints, Trials
+from model.linear_algebra import factorise
+from model.prior import Prior
+from model.state import Partition, State
+
+
+@dataclass(frozen=True)
+class History:
+    """Earlier states of a chain.
+
+    Attributes:
+        iterations: (H,) after which iteration, counted from 1.
+        z: (H, N_x) z^x of each state, one array a channel.
+        F: (H, T), or (H, 0) for a method without frames.
+    """
+
+    iterations: Ints
+    z: tuple[Ints, ...]
+    F: Ints
+
+    @classmethod
+    def of(cls, iterations: Ints, states: Sequence[Partition]) -> History:
+        """Gather states."""
+        z = tuple(np.stack(parts) for parts in zip(*(state.z for state in states), strict=True))
+        return cls(iterations, z, np.stack([state.F for state in states]))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The last state of the best chain, and how it came about.
+
+    Attributes:
+        trials: what was fitted.
+        method: name of the method in `METHODS`.
+        priors: hyperparameters, one a channel.
+        state: the last state.
+        trace_log_joint: (iterations,) log p(X, w, z, F) with parameters integrated out, after each iteration.
+        trace_used: (iterations, C) number of categories in use, after each iteration.
+        sampler: how it was sampled: `inference`, `iterations`, `chains`, `temperature`, the fields of
+            `Settings`, and `seed`, the entropy and key of the generator's SeedSequence.
+        history: the states that were asked for, if any.
+    """
+
+    trials: Trials
+    method: str
+    priors: tuple[Prior, ...]
+    state: State
+    trace_log_joint: Floats
+    trace_used: Ints
+    sampler: Mapping[str, Any] = field(default_factory=dict)
+    history: History | None = None
+
+    def save(self, path: Path) -> None:
+        """Write to a file, see `save`."""
+        save(self, path)
+
+    @classmethod
+    def load(cls, path: Path) -> Fit:
+        """Read from a file, see `load`."""
+        return load(path)
 
 
 def save(fit: Fit, path: Path) -> None:
@@ -44,7 +107,10 @@ def save(fit: Fit, path: Path) -> None:
         "F": state.F,
         "trace_log_joint": fit.trace_log_joint,
         "trace_used": fit.trace_used,
+        "sampler": np.array(json.dumps(fit.sampler, sort_keys=True)),
     }
+    if fit.history is not None:
+        arrays |= {"history_iteration": fit.history.iterations, "history_F": fit.history.F}
     for c, channel in enumerate(trials.channels):
         arrays |= {
             f"features_{channel.name}": channel.features,
@@ -52,11 +118,15 @@ def save(fit: Fit, path: Path) -> None:
             f"z_{channel.name}": state.z[c],
             f"pi_{channel.name}": np.exp(state.log_weights[c]),
             f"mu_{channel.name}": state.mean[c],
-            f"Sigma_{channel.name}": state.factor[c] @ state.factor[c].transpose(0, 2, 1),
+            # Not by a library's matrix product, whose last digits hang on its version and threads.
+            f"Sigma_{channel.name}": np.einsum("kij,klj->kil", state.factor[c], state.factor[c]),
             f"theta_{channel.name}": np.exp(state.log_words[c]),
             f"prior_{channel.name}": np.array(json.dumps(asdict(fit.priors[c]), sort_keys=True)),
         }
-    temporary = path.with_name(f".{path.name}.part")
+        if fit.history is not None:
+            arrays[f"history_z_{channel.name}"] = fit.history.z[c]
+    # Named by the process: one that was orphaned by a kill may still be writing the same fit.
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     with temporary.open("wb") as file:
         np.savez_compressed(file, **arrays)
     temporary.replace(path)
@@ -72,14 +142,24 @@ def load(path: Path) -> Fit:
         with np.load(path, allow_pickle=False) as arrays:
             return _from_arrays({name: arrays[name] for name in arrays.files})
     except (
-        KeyError,
-        ValueError,
+        AttributeError,  # A plain npy file.
         EOFError,
+        KeyError,
+        NotImplementedError,
+        TypeError,
+        ValueError,
         zipfile.BadZipFile,
-        zipfile.error,
-        np.linalg.LinAlgError,
+        zlib.error,
     ) as error:
         raise ValueError(f"{path} is not a readable fit: {error}") from error
+
+
+def _cholesky(covariance: Floats) -> Floats:
+    """(K, dim, dim) lower Cholesky factors; rounding of a nearly singular covariance is no error."""
+    upper = np.triu(covariance)
+    for matrix in upper:
+        factorise(matrix, float(np.finfo(np.float64).tiny))
+    return np.ascontiguousarray(upper.transpose(0, 2, 1))
 
 
 def _from_arrays(arrays: dict[str, Any]) -> Fit:
@@ -92,10 +172,14 @@ def _from_arrays(arrays: dict[str, Any]) -> Fit:
             z=tuple(arrays[f"z_{name}"] for name in names),
             log_weights=tuple(np.log(arrays[f"pi_{name}"]) for name in names),
             mean=tuple(arrays[f"mu_{name}"] for name in names),
-            factor=tuple(np.linalg.cholesky(arrays[f"Sigma_{name}"]) for name in names),
+            factor=tuple(_cholesky(arrays[f"Sigma_{name}"]) for name in names),
             log_words=tuple(np.log(arrays[f"theta_{name}"]) for name in names),
             F=arrays["F"],
         )
+    history = None
+    if "history_iteration" in arrays:
+        z = tuple(arrays[f"history_z_{name}"] for name in names)
+        history = History(arrays["history_iteration"], z, arrays["history_F"])
     return Fit(
         trials=Trials(channels, arrays["words"], arrays["word_trial"], vocabulary),
         method=str(arrays["method"]),
@@ -103,4 +187,6 @@ def _from_arrays(arrays: dict[str, Any]) -> Fit:
         state=state,
         trace_log_joint=arrays["trace_log_joint"],
         trace_used=arrays["trace_used"],
+        sampler=json.loads(str(arrays["sampler"])),
+        history=history,
     )

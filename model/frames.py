@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import permutations
-from typing import Literal
+from itertools import permutations, product
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -43,6 +44,19 @@ METHODS: dict[str, Method] = {
 }
 
 
+class FrameList(NamedTuple):
+    """The frames that a rule allows, by the number of words: the methods as data for compiled code.
+
+    Attributes:
+        frames: (frames, longest) the channel of each word, −1 behind the last.
+        bounds: (longest + 2,) the frames of N words are rows bounds[N] to bounds[N + 1] − 1. A sentence
+            longer than `longest` is sampled in consecutive parts of at most `longest` words.
+    """
+
+    frames: Ints
+    bounds: Ints
+
+
 @lru_cache
 def distinct_frames(channels: int, words: int) -> Ints:
     """The C!/(C−N)! frames of N words over C channels in which no channel occurs twice, (frames, N)."""
@@ -50,10 +64,31 @@ def distinct_frames(channels: int, words: int) -> Ints:
     return np.array(frames, dtype=np.int64).reshape(len(frames), words)
 
 
+@lru_cache
+def frame_list(rule: Rule, channels: int, longest: int) -> FrameList:
+    """The frames of 0 to `longest` words that a rule allows, each as probable as any other of its length.
+
+    Args:
+        rule: rule of the method; `every` has no frames.
+        channels: C.
+        longest: at most C for `distinct`.
+    """
+    by_length = []
+    for words in range(longest + 1):
+        if rule == "distinct":
+            frames = distinct_frames(channels, words)
+        else:
+            rows = list(product(range(channels), repeat=words)) if rule == "independent" else []
+            frames = np.array(rows, dtype=np.int64).reshape(len(rows), words)
+        by_length.append(np.pad(frames, ((0, 0), (0, longest - words)), constant_values=-1))
+    bounds = np.cumsum([0, *(len(frames) for frames in by_length)])
+    return FrameList(np.ascontiguousarray(np.concatenate(by_length)), bounds.astype(np.int64))
+
+
 def count_frames(rule: Rule, channels: int, words: int) -> float:
     """The number of frames that λ allows for a sentence of N words; 1 where there is no frame."""
     if rule == "distinct":
-        return float(len(distinct_frames(channels, words)))
+        return float(math.perm(channels, words))
     return float(channels) ** words if rule == "independent" else 1.0
 
 

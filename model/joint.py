@@ -7,20 +7,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.conditionals import draw_words, explained_words, word_concentration, word_log_weights
-from model.data import Channel, Floats, Ints, Prior, Trials
+from model.compiled import compiled
+from model.conditionals import draw_words, explained_words, word_counts, word_log_weights
+from model.data import Channel, Floats, Ints, Trials
 from model.distributions import (
     count_log_marginal,
     dirichlet_log_density,
     draw_categorical,
-    draw_gaussians,
     draw_log_dirichlet,
+)
+from model.frames import Rule, count_frames, distinct_frames
+from model.gaussians import (
+    draw_posterior_gaussians,
     gaussian_log_density,
     gaussian_log_marginal,
     gaussian_posterior,
     giw_log_density,
 )
-from model.frames import Rule, count_frames, distinct_frames
+from model.prior import GaussianPrior, Prior
 from model.state import State
 
 Priors = Sequence[Prior]
@@ -31,13 +35,13 @@ def log_joint(trials: Trials, rule: Rule, priors: Priors, state: State) -> float
     total = frames_log_prior(trials, rule)
     for c, (channel, prior) in enumerate(zip(trials.channels, priors, strict=True)):
         z, log_weights, K = state.z[c], state.log_weights[c], prior.categories
-        law = gaussian_posterior(prior, channel.features[:0], z[:0])
+        law = gaussian_posterior(channel.features[:0], z[:0], K, *prior.gaussian(channel.dim))
         emission = gaussian_log_density(channel.features, state.mean[c], state.factor[c])
         word_prior = np.full(state.log_words[c].shape, prior.word_concentration)
-        total += float(dirichlet_log_density(log_weights, np.full(K, prior.concentration / K)))
+        total += dirichlet_log_density(log_weights[None, :], np.full((1, K), prior.concentration / K))
         total += float(np.sum(log_weights[z]) + np.sum(emission[np.arange(len(z)), z]))
         total += float(np.sum(giw_log_density(law, state.mean[c], state.factor[c])))
-        total += float(np.sum(dirichlet_log_density(state.log_words[c], word_prior)))
+        total += dirichlet_log_density(state.log_words[c], word_prior)
     per_word = word_log_weights(trials, state.z, state.log_words)
     explained = per_word if rule == "every" else per_word[np.arange(len(state.F)), state.F]
     return total + float(np.sum(explained))
@@ -47,13 +51,30 @@ def log_marginal_joint(trials: Trials, rule: Rule, priors: Priors, z: Sequence[I
     """Log p(X, w, z, F), with π, φ and θ integrated out: what fits of all samplers are compared by."""
     total = frames_log_prior(trials, rule)
     for c, (channel, prior) in enumerate(zip(trials.channels, priors, strict=True)):
-        K = prior.categories
         explained = explained_words(rule, F, c, len(trials.word_trial))
-        word_counts = word_concentration(trials, c, prior, z[c], explained) - prior.word_concentration
-        total += count_log_marginal(np.bincount(z[c], minlength=K).astype(float), prior.concentration / K)
-        total += gaussian_log_marginal(prior, channel.features, z[c])
-        total += count_log_marginal(word_counts, prior.word_concentration)
+        counts = word_counts(trials, c, prior, z[c], explained)
+        weight, gamma = prior.concentration / prior.categories, prior.word_concentration
+        total += _channel_log_marginal(channel.features, z[c], counts, weight, gamma, *prior.gaussian(channel.dim))
     return total
+
+
+@compiled
+def _channel_log_marginal(
+    features: Floats,
+    z: Ints,
+    words: Floats,
+    weight: float,
+    gamma: float,
+    m0: float,
+    kappa0: float,
+    scale: float,
+    nu0: float,
+) -> float:
+    """Log p(X, w, z) of a channel with word counts (K, W), `weight` being α/K."""
+    law = gaussian_posterior(features, z, len(words), m0, kappa0, scale, nu0)
+    categories = count_log_marginal(law.counts.reshape(1, -1), weight)
+    emissions = gaussian_log_marginal(GaussianPrior(m0, kappa0, scale, nu0), law)
+    return categories + emissions + count_log_marginal(words, gamma)
 
 
 def frames_log_prior(trials: Trials, rule: Rule) -> float:
@@ -73,10 +94,10 @@ def draw_parameters(rng: np.random.Generator, design: Trials, rule: Rule, priors
     z, log_weights, mean, factor, log_words = [], [], [], [], []
     for channel, prior in zip(design.channels, priors, strict=True):
         K = prior.categories
-        log_weights.append(draw_log_dirichlet(rng, np.full(K, prior.concentration / K)))
+        log_weights.append(draw_log_dirichlet(rng, np.full((1, K), prior.concentration / K), 1)[0])
         z.append(draw_categorical(rng, np.tile(log_weights[-1], (len(channel.features), 1))))
-        law = gaussian_posterior(prior, channel.features[:0], z[-1][:0])
-        drawn_mean, drawn_factor = draw_gaussians(rng, law)
+        nothing = channel.features[:0], z[-1][:0]
+        drawn_mean, drawn_factor = draw_posterior_gaussians(rng, *nothing, K, 1, *prior.gaussian(channel.dim))
         mean.append(drawn_mean)
         factor.append(drawn_factor)
         log_words.append(draw_words(rng, np.full((K, len(design.vocabulary)), prior.word_concentration)))

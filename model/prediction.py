@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.data import Floats, Ints
-from model.distributions import gaussian_log_density, log_sum
-from model.fitting import Fit
+from model.distributions import log_sum
+from model.fits import Fit
 from model.frames import METHODS
+from model.gaussians import gaussian_log_density
 
 LONGEST_INSTRUCTION = 12
 
@@ -42,7 +43,8 @@ class Answer:
 def responsibilities(fit: Fit, channel: str, features: Floats) -> Floats:
     """(N, K) log r: the log posterior of the category given features alone, r_k ∝ π_k N(x | φ_k)."""
     c = _index(fit, channel)
-    joint = fit.state.log_weights[c] + gaussian_log_density(features, fit.state.mean[c], fit.state.factor[c])
+    rows = np.array(features, dtype=np.float64, order="C")
+    joint = fit.state.log_weights[c] + gaussian_log_density(rows, fit.state.mean[c], fit.state.factor[c])
     return np.asarray(joint - log_sum(joint))
 
 
@@ -109,7 +111,7 @@ def describe(fit: Fit, channel: str, features: Floats) -> tuple[str, ...]:
     if not fit.trials.vocabulary:
         raise ValueError("a description needs words, but training had none")
     weights = responsibilities(fit, channel, features)
-    log_p = log_sum((weights[:, None, :] + fit.state.log_words[_index(fit, channel)].T[None]))[..., 0]
+    log_p = log_sum(weights[:, None, :] + fit.state.log_words[_index(fit, channel)].T[None])[..., 0]
     return tuple(fit.trials.vocabulary[int(w)] for w in np.argmax(log_p, axis=1))
 
 

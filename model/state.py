@@ -1,15 +1,30 @@
-"""The state of the blocked sampler: what its next step needs, and nothing else."""
+"""The states of the samplers: what the next step needs, and nothing else."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from model.data import Floats, Ints
 
 
 @dataclass(frozen=True)
+class Partition:
+    """One point of the posterior of z and F, all else integrated out: the state of the collapsed sampler.
+
+    Attributes:
+        z: (N_x,) category of each element, one array a channel x.
+        F: (T,) the channel of each word; empty for a method without frames.
+    """
+
+    z: tuple[Ints, ...]
+    F: Ints
+
+
+@dataclass(frozen=True)
 class State:
-    """One point of the joint posterior; a tuple holds one array a channel x.
+    """One point of the joint posterior, the state of the blocked sampler; a tuple holds one array a channel x.
 
     Attributes:
         z: (N_x,) category of each element.
@@ -46,5 +61,7 @@ class Settings:
     def __post_init__(self) -> None:
         if self.averaged_draws < 1:
             raise ValueError(f"averaged_draws = {self.averaged_draws} (must be at least 1)")
+        if not 0 < self.start_scale < np.inf:
+            raise ValueError(f"start_scale = {self.start_scale} (must be positive)")
         if self.empty_category not in ("prior", "uniform"):
             raise ValueError(f"empty_category = {self.empty_category!r} (must be prior or uniform)")

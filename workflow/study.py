@@ -8,7 +8,16 @@ from pathlib import Path
 from typing import Any
 
 CHANNELS = ("action", "position", "object", "color")
-SHARED_KEYS = ("seed", "methods", "inference", "averaged_draws", "chains", "iterations", "empty_category")
+SHARED_KEYS = (
+    "seed",
+    "methods",
+    "inference",
+    "averaged_draws",
+    "chains",
+    "iterations",
+    "empty_category",
+    "temperature",
+)
 # The tasks that use what was learned, and the key that says how many trials test it.
 TASKS = {"generation": "sentences", "description": "actions"}
 # A hyperparameter of the config, and what model.Prior calls it.

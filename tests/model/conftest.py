@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from model import METHODS, Prior, Trials
+from model import Prior, Trials
+from tests.model.samplers import RULES
 from tests.synthetic import trials_of_model
-
-RULES = {name: method.rule for name, method in METHODS.items() if name != "gmm"}
 
 
 @pytest.fixture(params=sorted(RULES))

@@ -11,7 +11,7 @@ from scipy.special import logsumexp
 
 from model import METHODS, Fit, Prior, Trials, fit
 from model.data import Floats
-from model.distributions import gaussian_log_density
+from model.gaussians import gaussian_log_density
 from model.prediction import LONGEST_INSTRUCTION, Answer, describe, responsibilities, understand
 
 METHOD_NAMES = ["proposed", "no_mec2", "mmlda"]
@@ -40,7 +40,7 @@ def joint_of_all_objects(learned: Fit, scene: dict[str, Floats]) -> list[Floats]
 
 
 def log_words_given_frames(learned: Fit, z: tuple[int, ...], words: list[int]) -> float:
-    """log Σ_f λ_f ∏ p(word | f): every frame of the method listed, z the categories of the three channels."""
+    """Log Σ_f λ_f ∏ p(word | f): every frame of the method listed, z the categories of the three channels."""
     theta = [learned.state.log_words[c][k] for c, k in enumerate(z)]
     C, N, W = len(z), len(words), len(learned.trials.vocabulary)
     rule = METHODS[learned.method].rule

@@ -192,6 +192,8 @@ def test_the_paths_of_the_fits() -> None:
     )
     paths = [condition.path for condition in study(config).conditions("own")]
     assert len(paths) == len(set(paths)) == (2 * 2 + 2) * 2
+    both = study(minimal(inference=["blocked", "collapsed"], averaged_draws=[1, 100])).conditions("own")
+    assert {c.inference for c in both} == {"blocked", "blocked_averaged100", "collapsed"}
     assert "fits/own/narrow/mmlda/blocked_averaged100/D6/ROW40/seed2.npz" in paths
     assert "fits/own/narrow/gmm/blocked/D6/ROW100/seed1.npz" in paths
 

@@ -19,7 +19,10 @@ rule fit:
     log:
         "joblogs/fit/{experiment}_{variant}_{method}_{inference}_D{D}_ROW{ROW}_seed{seed}.log",
     params:
-        **{key: lambda wildcards, key=key: settings(wildcards)[key] for key in ("seed", "iterations", "chains")},
+        **{
+            key: lambda wildcards, key=key: settings(wildcards)[key]
+            for key in ("seed", "iterations", "chains", "temperature")
+        },
         data=lambda wildcards: study.experiments[wildcards.experiment].data,
         priors=lambda wildcards: study.experiments[wildcards.experiment].priors(wildcards.variant),
         sampler=lambda wildcards: {

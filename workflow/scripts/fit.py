@@ -22,6 +22,7 @@ with job(snakemake.log[0]):
     )
     # The same words are omitted for all methods, so that methods are compared in pairs.
     omission = generator(params.seed, "omission", params.data, int(names.D), int(names.seed))
+    inference = names.inference.partition("_")[0]
     condition = [names[key] for key in ("experiment", "variant", "method", "inference", "D", "ROW", "seed")]
     result = fit(
         trials.keep_words(kept_words(omission, len(trials.word_trial), int(names.ROW))),
@@ -34,5 +35,7 @@ with job(snakemake.log[0]):
         iterations=params.iterations,
         chains=params.chains,
         settings=Settings(**params.sampler),
+        inference=inference,
+        temperature=params.temperature if inference == "collapsed" else 1.0,
     )
     save(result, Path(snakemake.output[0]))

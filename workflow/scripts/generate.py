@@ -42,5 +42,6 @@ with job(snakemake.log[0]):
         )
         for i, log in enumerate(logs):
             write_log(folder / f"trial_{table.trial[i]:04}.mcap", log)
-            judged[i] = truth(log).action_word
+            happened = truth(log)
+            judged[i] = happened.action_word if happened else None
     write_answers(table, answered, judged, Path(snakemake.output.answers))

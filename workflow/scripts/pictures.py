@@ -2,11 +2,10 @@
 
 from pathlib import Path
 
-from workflow.job import job
-
 from data_collection.mcap_log import read_log
 from data_collection.settings import Simulation
 from data_collection.show import contact_sheet, gallery, save_png
+from workflow.job import job
 
 with job(snakemake.log[0]):
     logs = [read_log(Path(path)) for path in snakemake.input]

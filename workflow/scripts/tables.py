@@ -2,11 +2,10 @@
 
 from pathlib import Path
 
-from workflow.job import job
-
 from evaluation.catalogue import TABLE_FORMS
 from evaluation.scores import read_scores
 from evaluation.tables import render
+from workflow.job import job
 
 with job(snakemake.log[0]):
     scores = read_scores([Path(snakemake.input[0])])

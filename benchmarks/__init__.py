@@ -1,0 +1,1 @@
+"""Benchmarks of the samplers: time, memory, scaling, and what their hot kernels make of the machine."""

@@ -1,0 +1,92 @@
+"""What is measured: fits of made-up trials, as data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model import Trials
+
+# Dimensions of action, position, object and color in the paper's simulator experiment.
+PAPER_DIMENSIONS = (38, 2, 30, 10)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One fit to be measured.
+
+    Attributes:
+        series: what is varied, the name of a curve.
+        size: its value.
+        method: name of the method.
+        inference: name of the sampler.
+        trials: D; there are two objects a trial on average.
+        categories: K.
+        dimensions: of the action and of each object channel.
+        vocabulary: W.
+        words: words a sentence, at most one a channel.
+        iterations: sweeps of the fit.
+        averaged_draws: see `model.Settings`.
+    """
+
+    series: str
+    size: int
+    method: str = "proposed"
+    inference: str = "blocked"
+    trials: int = 40
+    categories: int = 10
+    dimensions: tuple[int, ...] = PAPER_DIMENSIONS
+    vocabulary: int = 14
+    words: int = 4
+    iterations: int = 200
+    averaged_draws: int = 1
+
+
+def make_trials(case: Case, seed: int = 1) -> Trials:
+    """Trials in clusters, four a channel, features mostly in [0, 1], words by cluster."""
+    rng = np.random.default_rng(seed)
+    D, channels = case.trials, len(case.dimensions)
+    count = rng.integers(1, 4, size=D)
+    owner = np.repeat(np.arange(D), count)
+    attended = rng.integers(count)
+    speaker = np.cumsum(count) - count + attended
+    labels = [rng.integers(4, size=D if c == 0 else len(owner)) for c in range(channels)]
+    features = [
+        rng.random((4, dim))[label] + 0.05 * rng.standard_normal((len(label), dim))
+        for label, dim in zip(labels, case.dimensions, strict=True)
+    ]
+    spoken = [labels[0], *(label[speaker] for label in labels[1:])]
+    sentences = [
+        [f"word{(4 * c + int(spoken[c][d])) % case.vocabulary:04d}" for c in rng.permutation(channels)[: case.words]]
+        for d in range(D)
+    ]
+    # The whole vocabulary occurs, however large it is.
+    for w in range(case.vocabulary):
+        if case.words:
+            sentences[w % D][w % min(case.words, channels)] = f"word{w:04d}"
+    objects = {f"channel{c}": features[c] for c in range(1, channels)}
+    return Trials.from_arrays(features[0], objects, owner, attended, sentences)
+
+
+def all_cases(quick: bool) -> Iterator[Case]:
+    """Fits at the paper's sizes, and one series for each direction of growth."""
+    samplers = ("blocked", "collapsed")
+    for inference in samplers:
+        for method in ("proposed", "no_mec2", "mmlda", "gmm"):
+            words = 0 if method == "gmm" else 4
+            yield Case("paper", 40, method, inference, words=words, iterations=10 if quick else 200)
+    yield Case("averaged", 100, averaged_draws=100, iterations=10 if quick else 200)
+    for inference in samplers:
+        start = Case("", 0, inference=inference, iterations=5 if quick else 20)
+        for D in (40, 400) if quick else (40, 400, 4000, 40_000):
+            yield replace(start, series="D", size=D, trials=D, iterations=max(5, start.iterations * 40 // D))
+        for K in (10, 20) if quick else (10, 30, 100):
+            yield replace(start, series="K", size=K, categories=K)
+        for dim in (10, 30) if quick else (10, 30, 100, 500):
+            yield replace(start, series="dimension", size=dim, dimensions=(38, 2, dim, 10), iterations=5)
+        for W in (14, 50) if quick else (14, 140, 1400):
+            yield replace(start, series="W", size=W, vocabulary=W, trials=400)
+        for C in (2, 4) if quick else (2, 4, 6, 8):
+            yield replace(start, series="channels", size=C, dimensions=(10,) * C, words=min(C, 4))

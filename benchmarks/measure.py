@@ -1,0 +1,69 @@
+"""Measure fits, each in a process of its own, so that peak memory is its own."""
+
+from __future__ import annotations
+
+import multiprocessing
+import resource
+import time
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from benchmarks.cases import Case, make_trials
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What a fit took.
+
+    Attributes:
+        seconds: wall-clock time of the fastest of the repetitions, imports and compilation left out.
+        processor_seconds: processor time of the fastest; on a busy machine it tells more.
+        peak_mebibytes: largest resident memory of the whole process.
+        baseline_mebibytes: the same before the fit: Python, NumPy, Numba and the data.
+    """
+
+    seconds: float
+    processor_seconds: float
+    peak_mebibytes: float
+    baseline_mebibytes: float
+
+
+def measure(case: Case, repetitions: int) -> Measurement:
+    """Run a case in a new process."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(_measure_here, (case, repetitions))
+
+
+def as_row(case: Case, result: Measurement) -> dict[str, object]:
+    """A row of the table of results, seconds an iteration included."""
+    row = {**asdict(case), "dimensions": " ".join(str(dim) for dim in case.dimensions), **asdict(result)}
+    row["seconds_per_iteration"] = result.seconds / case.iterations
+    row["processor_seconds_per_iteration"] = result.processor_seconds / case.iterations
+    return row
+
+
+def _measure_here(case: Case, repetitions: int) -> Measurement:
+    from model import Prior, Settings, fit
+
+    trials = make_trials(case)
+    prior, settings = Prior(categories=case.categories), Settings(averaged_draws=case.averaged_draws)
+
+    def run(iterations: int) -> None:
+        inference = "collapsed" if case.inference == "collapsed" else "blocked"
+        fit(trials, case.method, np.random.default_rng(1), prior, iterations, 1, settings, inference=inference)  # type: ignore[arg-type]
+
+    run(1)  # Loads the compiled code.
+    baseline = _peak()
+    wall, processor = [], []
+    for _ in range(repetitions):
+        before = time.perf_counter(), time.process_time()
+        run(case.iterations)
+        wall.append(time.perf_counter() - before[0])
+        processor.append(time.process_time() - before[1])
+    return Measurement(min(wall), min(processor), _peak(), baseline)
+
+
+def _peak() -> float:
+    """Largest resident memory of this process so far, MiB."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0

@@ -1,0 +1,142 @@
+"""The collapsed sampler's conditional of F: the frame of one sentence given all others, θ integrated out."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from model.compiled import compiled
+from model.data import Floats, Ints
+from model.distributions import draw_index
+from model.frames import FrameList
+
+
+class WordTable(NamedTuple):
+    """The word counts of all L = K_a + K_p + K_o + K_c categories, one below the other.
+
+    Attributes:
+        counts: (L, W) n_{l,w}.
+        totals: (L,) sums over the vocabulary.
+        gamma: (L,) γ of each category's channel.
+        row: (C, T) the row of each word, should its frame point at channel c.
+    """
+
+    counts: Floats
+    totals: Floats
+    gamma: Floats
+    row: Ints
+
+
+@compiled
+def sweep_frames(
+    rng: np.random.Generator,
+    F: Ints,
+    temperature: float,
+    words: Ints,
+    bounds: Ints,
+    counts: Floats,
+    gamma: Floats,
+    row: Ints,
+    frames: Ints,
+    frame_bounds: Ints,
+) -> Ints:
+    """Draw F sentence by sentence.
+
+    Args:
+        rng: the fit's generator.
+        F: (T,) frames before.
+        temperature: divides the log weights; 1 for the posterior.
+        words: (T,) index into the vocabulary.
+        bounds: (D + 1,) the words of trial d are bounds[d] to bounds[d + 1] − 1.
+        counts: (L, W), this and what follows as in `WordTable`.
+        gamma: (L,).
+        row: (C, T).
+        frames: as in `FrameList`; longer sentences are drawn in parts, each given the others.
+        frame_bounds: as in `FrameList`.
+
+    Returns:
+        F afterwards.
+    """
+    table, allowed, F = (
+        WordTable(counts.copy(), counts.sum(axis=1), gamma, row),
+        FrameList(frames, frame_bounds),
+        F.copy(),
+    )
+    longest = frames.shape[1]
+    for d in range(len(bounds) - 1):
+        for start in range(bounds[d], bounds[d + 1], longest):
+            length = min(longest, bounds[d + 1] - start)
+            count_part(table, words, F, start, length, -1.0)
+            log_weights = frame_log_weights(table, words, start, length, allowed)
+            chosen = allowed.bounds[length] + draw_index(rng, log_weights / temperature)
+            for n in range(length):
+                F[start + n] = allowed.frames[chosen, n]
+            count_part(table, words, F, start, length, 1.0)
+    return F
+
+
+@compiled
+def part_log_weights(
+    F: Ints,
+    start: int,
+    length: int,
+    words: Ints,
+    counts: Floats,
+    gamma: Floats,
+    row: Ints,
+    frames: Ints,
+    frame_bounds: Ints,
+) -> Floats:
+    """`frame_log_weights` of `length` words within a state; arguments as in `sweep_frames`."""
+    table = WordTable(counts.copy(), counts.sum(axis=1), gamma, row)
+    count_part(table, words, F, start, length, -1.0)
+    return frame_log_weights(table, words, start, length, FrameList(frames, frame_bounds))
+
+
+@compiled
+def frame_log_weights(table: WordTable, words: Ints, start: int, length: int, allowed: FrameList) -> Floats:
+    """(frames,) unnormalised log probability of each frame of the words start to start + length − 1.
+
+    The counts grow within a frame, where two of its words share a category.
+
+    Args:
+        table: counts without these words.
+        words: (T,) all words.
+        start: the first of these words.
+        length: how many they are, at most the longest that is allowed.
+        allowed: the frames.
+    """
+    C, W = len(table.row), table.counts.shape[1]
+    # Log numerator of word n in channel c after `more` equal words there, log denominator after `more` words.
+    numerator, denominator = np.empty((length, C, length)), np.empty((length, C, length))
+    for n in range(length):
+        for c in range(C):
+            row = table.row[c, start + n]
+            for more in range(length):
+                gamma = table.gamma[row]
+                numerator[n, c, more] = math.log(table.counts[row, words[start + n]] + gamma + more)
+                denominator[n, c, more] = math.log(table.totals[row] + W * gamma + more)
+    first, last = allowed.bounds[length], allowed.bounds[length + 1]
+    result = np.zeros(last - first)
+    for f in range(last - first):
+        frame = allowed.frames[first + f]
+        for n in range(length):
+            equal, shared = 0, 0
+            for earlier in range(n):
+                if frame[earlier] == frame[n]:
+                    shared += 1
+                    if words[start + earlier] == words[start + n]:
+                        equal += 1
+            result[f] += numerator[n, frame[n], equal] - denominator[n, frame[n], shared]
+    return result
+
+
+@compiled
+def count_part(table: WordTable, words: Ints, F: Ints, start: int, length: int, change: float) -> None:
+    """Add `change` for the words start to start + length − 1, under their frames, to the table."""
+    for t in range(start, start + length):
+        row = table.row[F[t], t]
+        table.counts[row, words[t]] += change
+        table.totals[row] += change

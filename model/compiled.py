@@ -1,0 +1,101 @@
+"""Compilation by Numba: one decorator, and the folder in which machine code is kept between processes.
+
+Numba notices a change of the file of a cached function, but not of the functions that it calls from other
+files. The folder is therefore named by a digest of all compiled sources, of the versions and of the
+processor: a folder never holds code of two kinds, on a file system shared by different machines neither.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import logging
+import os
+import platform
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import ParamSpec, TypeVar
+
+import numba
+import numpy as np
+from llvmlite import binding  # type: ignore[import-untyped]
+
+_Arguments = ParamSpec("_Arguments")
+_Result = TypeVar("_Result")
+
+
+def compiled(function: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
+    """Compile a function to machine code at its first call, or load it from `cache_folder`.
+
+    No reordering of floating-point operations (`fastmath`) and no threads: the same input gives the same bytes.
+    Every compiled function is called with arguments of one type each, C-contiguous arrays in particular,
+    so that processes that start together can only write the same entry.
+    """
+    folder = cache_folder()
+    before = numba.config.CACHE_DIR
+    # Numba reads the setting when it decorates; nobody else's functions are to move into this folder.
+    numba.config.CACHE_DIR = "" if folder is None else str(folder)
+    try:
+        dispatcher: Callable[_Arguments, _Result] = numba.njit(
+            function, cache=folder is not None, error_model="numpy"
+        )
+    finally:
+        numba.config.CACHE_DIR = before
+    return dispatcher
+
+
+@lru_cache(maxsize=1)
+def cache_folder() -> Path | None:
+    """The folder of the compiled code, None where none can be written.
+
+    The first that can be written of: the environment's `NUMBA_CACHE_DIR`; `__pycache__` of this package; the
+    user's cache folder (`XDG_CACHE_HOME`, else `~/.cache`).
+    """
+    package = Path(__file__).parent
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    user = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "cross-situational-learning"
+    for base in ([Path(named)] if named else []) + [package / "__pycache__", user]:
+        folder = base / f"compiled-{_digest(package)}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(folder, os.W_OK):
+            return folder
+    logging.getLogger(__name__).warning(
+        "no folder for compiled code can be written, so that every process compiles anew: set NUMBA_CACHE_DIR"
+    )
+    return None
+
+
+def compile_once(warm_up: Callable[[], None]) -> None:
+    """Have everything compiled by one process, while those that start at the same time wait for it.
+
+    Args:
+        warm_up: calls every compiled function that a fit needs. It runs if the folder has never seen it end.
+    """
+    folder = cache_folder()
+    if folder is None or (folder / "complete").exists():
+        return
+    with (folder / "lock").open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        except OSError:  # A file system without locks: each process compiles for itself, to the same effect.
+            logging.getLogger(__name__).info("%s cannot be locked", folder)
+        if not (folder / "complete").exists():
+            logging.getLogger(__name__).info("compiling the samplers for this machine, once")
+            warm_up()
+            (folder / "complete").touch()
+
+
+def _digest(package: Path) -> str:
+    """What machine code depends on, as 16 hexadecimal digits."""
+    processor = binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()
+    versions = numba.__version__, np.__version__, platform.python_version(), *processor
+    digest = hashlib.sha256("\n".join(versions).encode())
+    for source in sorted(package.glob("*.py")):
+        text = source.read_bytes()
+        if b"compiled" in text:
+            digest.update(source.name.encode() + text)
+    return digest.hexdigest()[:16]

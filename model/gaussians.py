@@ -1,0 +1,260 @@
+"""The Gaussian-inverse-Wishart distribution: posterior, draws, densities and marginal likelihood.
+
+A covariance exists only as its Cholesky factor; there is no explicit inverse and no determinant.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from model.compiled import compiled
+from model.data import Floats, Ints
+from model.linear_algebra import factorise, half_log_determinant, squared_length
+from model.prior import GaussianPrior
+
+_LOG_2 = math.log(2.0)
+_LOG_PI = math.log(math.pi)
+# Elements are handled in blocks of so many, whose intermediate results stay in the innermost cache.
+_BLOCK = 64
+# χ² variates of nearly no degree of freedom underflow; the floor keeps covariances finite.
+_SMALLEST_SQUARE = 1e-200
+
+
+class GaussianInverseWishart(NamedTuple):
+    """K Gaussian-inverse-Wishart distributions GIW(m, κ, V, ν).
+
+    Attributes:
+        counts: (K,) the number of points n behind each; a category without any has the prior.
+        mean: (K, dim) m.
+        strength: (K,) κ.
+        upper: (K, dim, dim) U with V = Uᵀ U; below the diagonal 0.
+        freedom: (K,) ν.
+    """
+
+    counts: Floats
+    mean: Floats
+    strength: Floats
+    upper: Floats
+    freedom: Floats
+
+
+@compiled
+def fit_category(law: GaussianInverseWishart, k: int, prior: GaussianPrior, features: Floats, z: Ints) -> None:
+    """Set category k of `law` to its posterior given the points with z = k (model.md, section 3, step 3)."""
+    dim = features.shape[1]
+    count, centre, upper = 0, np.zeros(dim), law.upper[k]
+    for i in range(len(z)):
+        if z[i] == k:
+            count += 1
+            centre += features[i]
+    upper[:] = 0.0
+    for j in range(dim):
+        upper[j, j] = prior.scale
+    law.counts[k] = count
+    law.strength[k] = prior.strength + count
+    law.freedom[k] = prior.freedom + count
+    if count == 0:
+        law.mean[k] = prior.mean
+        for j in range(dim):
+            upper[j, j] = prior.scale**0.5
+        return
+    centre /= count
+    deviation = np.empty(dim)
+    for i in range(len(z)):
+        if z[i] == k:
+            point = features[i]
+            for j in range(dim):
+                deviation[j] = point[j] - centre[j]
+            _add_square(upper, deviation, 1.0)
+    for j in range(dim):
+        deviation[j] = centre[j] - prior.mean
+        law.mean[k, j] = (prior.strength * prior.mean + count * centre[j]) / law.strength[k]
+    _add_square(upper, deviation, prior.strength * count / law.strength[k])
+    factorise(upper, prior.scale)
+
+
+@compiled
+def _add_square(matrix: Floats, vector: Floats, weight: float) -> None:
+    """Add weight · v vᵀ to the upper triangle of a matrix."""
+    dim = len(vector)
+    for j in range(dim):
+        target, source, share = matrix[j, j:], vector[j:], weight * vector[j]
+        for i in range(dim - j):
+            target[i] += share * source[i]
+
+
+@compiled
+def gaussian_posterior(
+    features: Floats, z: Ints, K: int, m0: float, kappa0: float, scale: float, nu0: float
+) -> GaussianInverseWishart:
+    """Posterior of the K Gaussians of a channel given features (N, dim) and categories z (N,).
+
+    The prior comes as four numbers, `*prior.gaussian(dim)`: named tuples are slow to hand to compiled code.
+    """
+    dim, prior = features.shape[1], GaussianPrior(m0, kappa0, scale, nu0)
+    law = GaussianInverseWishart(np.empty(K), np.empty((K, dim)), np.empty(K), np.empty((K, dim, dim)), np.empty(K))
+    for k in range(K):
+        fit_category(law, k, prior, features, z)
+    return law
+
+
+@compiled
+def draw_posterior_gaussians(
+    rng: np.random.Generator,
+    features: Floats,
+    z: Ints,
+    K: int,
+    averaged_draws: int,
+    m0: float,
+    kappa0: float,
+    scale: float,
+    nu0: float,
+) -> tuple[Floats, Floats]:
+    """Draw μ (K, dim) and the lower Cholesky factor of Σ (K, dim, dim) from `gaussian_posterior`."""
+    return draw_gaussians(rng, gaussian_posterior(features, z, K, m0, kappa0, scale, nu0), averaged_draws)
+
+
+@compiled
+def draw_gaussians(
+    rng: np.random.Generator, law: GaussianInverseWishart, averaged_draws: int
+) -> tuple[Floats, Floats]:
+    """Draw μ (K, dim) and the lower Cholesky factor of Σ (K, dim, dim) from K GIW distributions.
+
+    Σ by Bartlett's decomposition: with V = L Lᵀ and a lower triangular R, R_ii² ~ χ²(ν − dim + 1 + i)
+    for i = 0..dim−1 and standard normal below the diagonal, Σ = C Cᵀ with C = L R⁻¹ ~ IW(V, ν).
+
+    Args:
+        rng: the fit's generator.
+        law: the K distributions.
+        averaged_draws: μ is the mean of so many draws given Σ. Above 1 this is not Gibbs sampling
+            any more (model.md, section 3, choices).
+    """
+    K, dim = law.mean.shape
+    mean, factor = np.empty((K, dim)), np.zeros((K, dim, dim))
+    R, noise = np.zeros((dim, dim)), np.empty(dim)
+    for k in range(K):
+        for i in range(dim):
+            for j in range(i):
+                R[i, j] = rng.standard_normal()
+            square = 2.0 * rng.standard_gamma((law.freedom[k] - dim + 1 + i) / 2.0)
+            R[i, i] = max(square, _SMALLEST_SQUARE) ** 0.5
+        # The mean of n standard normal draws is one draw of variance 1/n.
+        spread = 1.0 / (law.strength[k] * averaged_draws) ** 0.5
+        for i in range(dim):
+            noise[i] = spread * rng.standard_normal()
+        for i in range(dim):
+            _divide_row(law.upper[k], i, R, factor[k, i])
+            shift = 0.0
+            for j in range(i + 1):
+                shift += factor[k, i, j] * noise[j]
+            mean[k, i] = law.mean[k, i] + shift
+    return mean, factor
+
+
+@compiled
+def _divide_row(upper: Floats, i: int, R: Floats, row: Floats) -> None:
+    """Set row i of C (dim,) so that C R = L, with L = Uᵀ and R lower triangular."""
+    for j in range(i + 1):
+        row[j] = upper[j, i]
+    for j in range(i, -1, -1):
+        row[j] /= R[j, j]
+        share, source = row[j], R[j]
+        for m in range(j):
+            row[m] -= share * source[m]
+
+
+@compiled
+def gaussian_log_density(features: Floats, mean: Floats, factor: Floats) -> Floats:
+    """(N, K) log N(x_n | μ_k, C_k C_kᵀ) of features (N, dim): forward substitution, many elements at a time."""
+    N, dim = features.shape
+    K = len(mean)
+    result = np.empty((N, K))
+    columns, white, square = np.empty((dim, _BLOCK)), np.empty((dim, _BLOCK)), np.empty(_BLOCK)
+    for start in range(0, N, _BLOCK):
+        size = min(_BLOCK, N - start)
+        for n in range(size):
+            for i in range(dim):
+                columns[i, n] = features[start + n, i]
+        for k in range(K):
+            _squared_distances(columns, size, mean[k], factor[k], white, square)
+            constant = -half_log_determinant(factor[k]) - 0.5 * dim * (_LOG_2 + _LOG_PI)
+            for n in range(size):
+                result[start + n, k] = constant - 0.5 * square[n]
+    return result
+
+
+@compiled
+def _squared_distances(
+    columns: Floats, size: int, mean: Floats, factor: Floats, white: Floats, square: Floats
+) -> None:
+    """Set square[n] = |C⁻¹ (x_n − μ)|² for the first `size` columns x_n of (dim, block).
+
+    Four rows of `white` are taken at a time, which keeps the row under way in registers.
+    """
+    square[:size] = 0.0
+    for i in range(len(mean)):
+        row, source, centre, coefficients = white[i, :size], columns[i, :size], mean[i], factor[i]
+        for n in range(size):
+            row[n] = source[n] - centre
+        whole = i - i % 4
+        for j in range(0, whole, 4):
+            c0, c1, c2, c3 = coefficients[j], coefficients[j + 1], coefficients[j + 2], coefficients[j + 3]
+            row0, row1 = white[j, :size], white[j + 1, :size]
+            row2, row3 = white[j + 2, :size], white[j + 3, :size]
+            for n in range(size):
+                row[n] -= (c0 * row0[n] + c1 * row1[n]) + (c2 * row2[n] + c3 * row3[n])
+        for j in range(whole, i):
+            c0, row0 = coefficients[j], white[j, :size]
+            for n in range(size):
+                row[n] -= c0 * row0[n]
+        inverse = 1.0 / coefficients[i]
+        for n in range(size):
+            row[n] *= inverse
+            square[n] += row[n] * row[n]
+
+
+@compiled
+def giw_log_density(law: GaussianInverseWishart, mean: Floats, factor: Floats) -> Floats:
+    """(K,) log density of μ and Σ = C Cᵀ under GIW(m, κ, V, ν), with respect to dμ dΣ."""
+    K, dim = mean.shape
+    result = np.empty(K)
+    for k in range(K):
+        nu, kappa = law.freedom[k], law.strength[k]
+        # Rows of Cᵀ for `squared_length`; the columns of L are the rows of U.
+        sigma = factor[k].T.copy()
+        half_log_sigma = half_log_determinant(sigma)
+        trace = 0.0
+        for j in range(dim):
+            trace += squared_length(sigma, law.upper[k, j].copy())
+        wishart = nu * half_log_determinant(law.upper[k]) - (nu + dim + 1) * half_log_sigma - 0.5 * trace
+        wishart -= 0.5 * nu * dim * _LOG_2 + log_multivariate_gamma(nu / 2.0, dim)
+        normal = 0.5 * dim * (math.log(kappa) - _LOG_2 - _LOG_PI) - half_log_sigma
+        result[k] = wishart + normal - 0.5 * kappa * squared_length(sigma, mean[k] - law.mean[k])
+    return result
+
+
+@compiled
+def log_multivariate_gamma(a: float, dim: int) -> float:
+    """Log Γ_dim(a), a > (dim − 1) / 2."""
+    total = 0.25 * dim * (dim - 1) * _LOG_PI
+    for j in range(dim):
+        total += math.lgamma(a - 0.5 * j)
+    return total
+
+
+@compiled
+def gaussian_log_marginal(prior: GaussianPrior, law: GaussianInverseWishart) -> float:
+    """Log density of the features behind `law`, the posterior, given z, all μ and Σ integrated out."""
+    dim = law.mean.shape[1]
+    before = log_multivariate_gamma(prior.freedom / 2.0, dim)
+    before -= 0.5 * dim * (prior.freedom * math.log(prior.scale) + math.log(prior.strength))
+    total = 0.0
+    for k in range(len(law.mean)):
+        if law.counts[k] > 0.0:
+            after = log_multivariate_gamma(law.freedom[k] / 2.0, dim) - 0.5 * dim * math.log(law.strength[k])
+            after -= law.freedom[k] * half_log_determinant(law.upper[k])
+            total += after - 0.5 * dim * law.counts[k] * _LOG_PI - before
+    return total

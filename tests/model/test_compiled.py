@@ -1,0 +1,99 @@
+"""Compiled code: its folder, one compilation for processes that start together, the same bytes everywhere."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import pytest
+
+import model
+from model import compiled
+
+# Prints a digest of two fits' traces, and the folder of the compiled code.
+PROGRAM = """
+import hashlib, numpy as np
+from model import Trials, fit
+from model.compiled import cache_folder
+trials = Trials.from_arrays(np.eye(3), {"color": np.eye(3)}, [0, 1, 2], [0, 0, 0], [["a"], ["b", "a"], []])
+digest = hashlib.sha256()
+for inference in ("blocked", "collapsed"):
+    result = fit(trials, "proposed", np.random.default_rng(5), iterations=20, inference=inference)
+    digest.update(result.trace_log_joint)
+print(digest.hexdigest(), cache_folder())
+"""
+
+
+def start(root: Path, **environment: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-c", PROGRAM],
+        cwd=root,
+        env={**os.environ, "PYTHONPATH": str(root), "PYTHONDONTWRITEBYTECODE": "1", **environment},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def result_of(process: subprocess.Popen[str]) -> list[str]:
+    out, err = process.communicate(timeout=600)
+    assert process.returncode == 0, err
+    return out.split()
+
+
+@pytest.mark.slow
+def test_processes_that_start_together_compile_once(tmp_path: Path) -> None:
+    root = Path(model.__file__).parents[1]
+    together = [start(root, NUMBA_CACHE_DIR=str(tmp_path)) for _ in range(3)]
+    results = [result_of(process) for process in together]
+    assert len({tuple(result) for result in results}) == 1
+    folder = Path(results[0][1])
+    assert folder.parent == tmp_path
+    entries = {path: path.stat().st_mtime_ns for path in folder.rglob("*.nbc")}
+    # Each compiled function has one signature, so that one entry each.
+    assert entries
+    assert all(path.name.endswith(".1.nbc") for path in entries)
+    later = result_of(start(root, NUMBA_CACHE_DIR=str(tmp_path), OMP_NUM_THREADS="2", NUMBA_NUM_THREADS="2"))
+    assert later == results[0]
+    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*.nbc")} == entries
+
+
+@pytest.mark.slow
+def test_a_package_that_cannot_be_written_is_no_hindrance(tmp_path: Path) -> None:
+    """Without a folder beside the package the user's is taken, and without that there is no cache."""
+    package = tmp_path / "model"
+    shutil.copytree(Path(model.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
+    (package / "__pycache__").touch()  # A file where the folder should be; permissions do not stop every user.
+    _, folder = result_of(start(tmp_path, XDG_CACHE_HOME=str(tmp_path / "home")))
+    assert Path(folder).is_relative_to(tmp_path / "home")
+    (tmp_path / "none").touch()
+    _, folder = result_of(start(tmp_path, XDG_CACHE_HOME=str(tmp_path / "none")))
+    assert folder == "None"
+
+
+def test_the_folder_hangs_on_the_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "kernel.py").write_text("from model.compiled import compiled\n")
+    (tmp_path / "plain.py").write_text("x = 1\n")
+    before = compiled._digest(tmp_path)
+    (tmp_path / "plain.py").write_text("x = 2\n")
+    assert compiled._digest(tmp_path) == before
+    (tmp_path / "kernel.py").write_text("from model.compiled import compiled \n")
+    changed = compiled._digest(tmp_path)
+    assert changed != before
+    monkeypatch.setattr(compiled.binding, "get_host_cpu_name", lambda: "another")
+    assert compiled._digest(tmp_path) != changed
+
+
+def test_numbas_own_setting_is_left_alone() -> None:
+    before = numba.config.CACHE_DIR
+
+    @compiled.compiled
+    def double(x: float) -> float:
+        return 2.0 * x
+
+    assert double(2.0) == 4.0
+    assert before == numba.config.CACHE_DIR

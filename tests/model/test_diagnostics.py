@@ -1,0 +1,80 @@
+"""Diagnostics: chains that agree, chains that do not, and fits that are no chains of one posterior."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model import Fit, Trials, fit
+from model.diagnostics import chain_quantities, diagnose, rank_counts
+
+
+@pytest.fixture
+def fits(trials: Trials) -> list[Fit]:
+    return [fit(trials, "no_mec2", np.random.default_rng(s), iterations=40, keep_history=20) for s in range(4)]
+
+
+def test_quantities_are_label_free(fits: list[Fit]) -> None:
+    quantities = chain_quantities(fits, burn_in=0.25, pairs=4)
+    assert quantities["log_joint"].shape == quantities["used_color"].shape == (4, 30)
+    history = fits[2].history
+    assert history is not None
+    pairs = [name for name in quantities if name.startswith("same_action")]
+    assert pairs
+    i, j = (int(part) for part in pairs[0].split("_")[2:])
+    assert quantities[pairs[0]][2].tolist() == (history.z[0][5:, i] == history.z[0][5:, j]).tolist()
+    assert sum(quantities[f"frame_{c.name}"] for c in fits[0].trials.channels) == pytest.approx(np.ones((4, 15)))
+    # New names for the categories change nothing.
+    renamed = [
+        replace(f, history=replace(f.history, z=tuple(9 - part for part in f.history.z)))  # type: ignore[type-var, union-attr]
+        for f in fits
+    ]
+    for name, values in chain_quantities(renamed, burn_in=0.25, pairs=4).items():
+        assert np.array_equal(values, quantities[name])
+
+
+def test_without_history_there_are_the_traces(fits: list[Fit]) -> None:
+    quantities = chain_quantities([replace(f, history=None) for f in fits])
+    assert sorted(quantities) == ["log_joint", "used_action", "used_color", "used_position"]
+
+
+def test_chains_that_agree_and_chains_that_do_not() -> None:
+    rng = np.random.default_rng(0)
+    same = rng.normal(size=(4, 500))
+    apart = same + np.arange(4)[:, None]
+    constant = np.ones((4, 500))
+    good, bad, unknown = diagnose({"same": same, "apart": apart, "constant": constant})
+    assert good.r_hat == pytest.approx(1.0, abs=0.01)
+    assert good.ess_bulk == pytest.approx(2000, rel=0.2)
+    assert bad.r_hat is not None
+    assert bad.r_hat > 1.3
+    assert bad.ess_bulk is not None
+    assert bad.ess_bulk < 50
+    stuck = diagnose({"stuck": np.repeat([[1.0], [1.0], [2.0], [2.0]], 500, axis=1)})[0]
+    assert stuck.r_hat == np.inf
+    assert (unknown.mean, unknown.r_hat, unknown.ess_bulk, unknown.ess_tail) == (1.0, None, None, None)
+
+
+def test_rank_counts() -> None:
+    rng = np.random.default_rng(0)
+    same = rank_counts(rng.normal(size=(3, 400)), bins=10)
+    assert same.sum(axis=1).tolist() == [400, 400, 400]
+    assert np.abs(same - 40).max() < 30
+    split = rank_counts(np.array([[1.0, 2.0, 3.0, 4.0], [5.0, 6.0, 7.0, 8.0]]), bins=2)
+    assert split.tolist() == [[4, 0], [0, 4]]
+    assert rank_counts(np.ones((2, 5)), bins=4).sum() == 10
+
+
+def test_fits_of_different_posteriors_are_refused(trials: Trials, fits: list[Fit]) -> None:
+    other = trials.keep_words(np.arange(len(trials.word_trial)) > 0)
+    stranger = fit(other, "mmlda", np.random.default_rng(0), iterations=40, keep_history=20)
+    with pytest.raises(ValueError, match=r"fit 5 is no other chain .* method, words"):
+        chain_quantities([*fits, stranger])
+    with pytest.raises(ValueError, match="kept iterations"):
+        chain_quantities([fits[0], replace(fits[1], history=None)])
+    with pytest.raises(ValueError, match="at least one fit"):
+        chain_quantities([])
+    with pytest.raises(ValueError, match="burn_in = 1"):
+        chain_quantities(fits, burn_in=1)
