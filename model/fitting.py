@@ -96,7 +96,7 @@ def fit(
 
 
 def prepare() -> None:
-    """Compile what fits need, if this machine has not done so yet: set-up calls it, so that the first fit need not."""
+    """Compile what fits need, if this machine has not done so yet: set-up calls it, so that no fit has to."""
     compile_once(_warm_up)
 
 
