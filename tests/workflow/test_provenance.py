@@ -21,7 +21,7 @@ def test_imports_are_followed() -> None:
     assert {"workflow/scripts/fit.py", "workflow/job.py", "model/__init__.py", "model/blocked.py"} <= fit
     assert {"features/table.py", "data_collection/seeding.py"} <= fit
     assert not any(name.startswith("evaluation/") for name in fit)
-    assert "evaluation/figures.py" not in names("evaluate.py")
+    assert "evaluation/figures.py" not in names("evaluate_learning.py")
 
 
 @pytest.mark.parametrize("later", ["evaluation", "model"])
