@@ -34,8 +34,8 @@ with job(snakemake.log[0]):
         ],
         iterations=params.iterations,
         chains=params.chains,
-        settings=Settings(**params.sampler),
         inference=inference,
-        temperature=params.temperature if inference == "collapsed" else 1.0,
+        # The one sampler has deviations from the paper to choose, the other annealing.
+        **({"settings": Settings(**params.sampler)} if inference == "blocked" else {"temperature": params.temperature}),
     )
     save(result, Path(snakemake.output[0]))
