@@ -36,6 +36,10 @@ with job(snakemake.log[0]):
         chains=params.chains,
         inference=inference,
         # The one sampler has deviations from the paper to choose, the other annealing.
-        **({"settings": Settings(**params.sampler)} if inference == "blocked" else {"temperature": params.temperature}),
+        **(
+            {"settings": Settings(**params.sampler)}
+            if inference == "blocked"
+            else {"temperature": params.temperature}
+        ),
     )
     save(result, Path(snakemake.output[0]))
