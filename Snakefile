@@ -26,3 +26,4 @@ rule all:
         "scores.csv",
         expand("tables/{table}.{form}", table=TABLES, form=TABLE_FORMS),
         expand("figures/{figure}.png", figure=figures()),
+        [f"diagnostics/{name}_D{D}.html" for name in study.experiments for D in study.experiments[name].settings["D"]],

@@ -17,6 +17,7 @@ SHARED_KEYS = (
     "iterations",
     "empty_category",
     "temperature",
+    "keep_history",
 )
 # The tasks that use what was learned, and the key that says how many trials test it.
 TASKS = {"generation": "sentences", "description": "actions"}

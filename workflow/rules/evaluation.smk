@@ -143,6 +143,33 @@ rule evaluate_generation:
         "../scripts/evaluate_generation.py"
 
 
+def chains_of(wildcards):
+    """The chains that have one posterior: for each condition in which all words, or none, are heard, its seeds' fits."""
+    chains = {}
+    for condition in tested(wildcards, "csl"):
+        if condition.ROW in (0, 100):
+            names = vars(condition) | {"seed": None}
+            chains.setdefault(tuple((key, value) for key, value in names.items() if key != "seed"), []).append(
+                condition.path
+            )
+    return [(dict(names), paths) for names, paths in chains.items()]
+
+
+rule diagnose:
+    input:
+        lambda wildcards: [path for _, paths in chains_of(wildcards) for path in paths],
+    output:
+        table="diagnostics/{experiment}_D{D}.csv",
+        page="diagnostics/{experiment}_D{D}.html",
+    log:
+        "joblogs/diagnose/{experiment}_D{D}.log",
+    params:
+        conditions=chains_of,
+        code=tracked("diagnose.py"),
+    script:
+        "../scripts/diagnose.py"
+
+
 rule scores:
     input:
         list(score_files()),

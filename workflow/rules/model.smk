@@ -21,7 +21,7 @@ rule fit:
     params:
         **{
             key: lambda wildcards, key=key: settings(wildcards)[key]
-            for key in ("seed", "iterations", "chains", "temperature")
+            for key in ("seed", "iterations", "chains", "temperature", "keep_history")
         },
         data=lambda wildcards: study.experiments[wildcards.experiment].data,
         priors=lambda wildcards: study.experiments[wildcards.experiment].priors(wildcards.variant),

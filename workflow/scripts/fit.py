@@ -35,6 +35,7 @@ with job(snakemake.log[0]):
         iterations=params.iterations,
         chains=params.chains,
         inference=inference,
+        keep_history=min(params.keep_history, params.iterations),
         # The one sampler has deviations from the paper to choose, the other annealing.
         **(
             {"settings": Settings(**params.sampler)}

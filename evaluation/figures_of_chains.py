@@ -1,0 +1,46 @@
+"""How the chains of a condition went: traces of the log joint, and rank plots of label-free quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from evaluation.figures import STYLE
+from model import Fit
+from model.data import Floats
+from model.diagnostics import rank_counts
+
+BINS = 10
+
+
+def chains_figure(fits: Sequence[Fit], quantities: Mapping[str, Floats], title: str) -> Figure:
+    """Draw the chains of a condition, one a seed.
+
+    Args:
+        fits: one a chain.
+        quantities: (chains, draws) of each quantity to rank; chains that agree have flat rank plots.
+        title: the condition.
+    """
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(3.2 * (len(quantities) + 1), 3.0), layout="constrained")
+        axes: Any = np.atleast_1d(figure.subplots(1, len(quantities) + 1))
+        figure.suptitle(title)
+        for fit in fits:
+            axes[0].plot(np.arange(1, len(fit.trace_log_joint) + 1), fit.trace_log_joint, linewidth=0.8)
+        # The first iterations are far below the rest, and would leave it no room.
+        late = np.concatenate([fit.trace_log_joint[len(fit.trace_log_joint) // 10 :] for fit in fits])
+        axes[0].set_ylim(late.min(), late.max() + 0.05 * np.ptp(late) + 1e-9)
+        axes[0].set_xlabel("iteration")
+        axes[0].set_title("log p(X, w, z, F)")
+        for panel, (name, draws) in zip(axes[1:], quantities.items(), strict=True):
+            panel.imshow(rank_counts(draws, BINS), aspect="auto", cmap="Blues", vmin=0)
+            panel.set_title(f"ranks of {name}")
+            panel.set_xlabel("rank among all draws")
+            panel.set_xticks([])
+            panel.set_ylabel("chain")
+            panel.set_yticks(range(len(draws)), [str(i + 1) for i in range(len(draws))], fontsize=6)
+    return figure

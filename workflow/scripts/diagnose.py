@@ -1,0 +1,16 @@
+"""Diagnose the chains of an experiment and D: those of one condition have one posterior where no word is omitted."""
+
+from pathlib import Path
+
+from evaluation.diagnostics import diagnose_condition, write_page
+from model import load
+from workflow.job import job
+
+with job(snakemake.log[0]):
+    parts = [
+        diagnose_condition(condition, [load(Path(path)) for path in paths])
+        for condition, paths in snakemake.params.conditions
+    ]
+    names = snakemake.wildcards
+    title = f"Chains of {names.experiment}, D = {names.D}"
+    write_page(title, parts, Path(snakemake.output.table), Path(snakemake.output.page))
