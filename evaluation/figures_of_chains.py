@@ -15,6 +15,7 @@ from model.data import Floats
 from model.diagnostics import rank_counts
 
 BINS = 10
+COLUMNS = 5
 
 
 def chains_figure(fits: Sequence[Fit], quantities: Mapping[str, Floats], title: str) -> Figure:
@@ -26,8 +27,11 @@ def chains_figure(fits: Sequence[Fit], quantities: Mapping[str, Floats], title: 
         title: the condition.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(3.2 * (len(quantities) + 1), 3.0), layout="constrained")
-        axes: Any = np.atleast_1d(figure.subplots(1, len(quantities) + 1))
+        rows = -(-(len(quantities) + 1) // COLUMNS)
+        figure = Figure(figsize=(2.8 * COLUMNS, 2.6 * rows), layout="constrained")
+        axes: Any = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
+        for spare in axes[len(quantities) + 1 :]:
+            spare.set_axis_off()
         figure.suptitle(title)
         for fit in fits:
             axes[0].plot(np.arange(1, len(fit.trace_log_joint) + 1), fit.trace_log_joint, linewidth=0.8)
@@ -36,7 +40,7 @@ def chains_figure(fits: Sequence[Fit], quantities: Mapping[str, Floats], title: 
         axes[0].set_ylim(late.min(), late.max() + 0.05 * np.ptp(late) + 1e-9)
         axes[0].set_xlabel("iteration")
         axes[0].set_title("log p(X, w, z, F)")
-        for panel, (name, draws) in zip(axes[1:], quantities.items(), strict=True):
+        for panel, (name, draws) in zip(axes[1:], quantities.items(), strict=False):
             panel.imshow(rank_counts(draws, BINS), aspect="auto", cmap="Blues", vmin=0)
             panel.set_title(f"ranks of {name}")
             panel.set_xlabel("rank among all draws")

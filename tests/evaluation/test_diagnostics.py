@@ -1,0 +1,61 @@
+"""The page of the chains: every condition, its figures, and what they say of chains that agree and that do not."""
+
+from __future__ import annotations
+
+import base64
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from evaluation.diagnostics import diagnose_condition, write_page
+from evaluation.figures_of_chains import chains_figure
+from features.table import FeatureTable
+from model import Fit, Trials, fit
+
+CONDITION = {"experiment": "own", "method": "proposed", "D": 12, "ROW": 0}
+
+
+def chains(table: FeatureTable) -> list[Fit]:
+    """Three chains of one posterior."""
+    trials = Trials.from_arrays(
+        action=table.action,
+        objects={"position": table.position, "object": table.object_feature, "color": table.color},
+        trial_of_object=table.trial_index,
+        attended=table.attended_object,
+        sentences=table.words,
+    )
+    return [fit(trials, "proposed", np.random.default_rng(i), iterations=40, keep_history=20) for i in range(3)]
+
+
+def test_the_page_shows_every_condition(table: FeatureTable, tmp_path: Path) -> None:
+    fits = chains(table)
+    parts = [diagnose_condition(CONDITION | {"D": D}, fits) for D in (12, 20)]
+    write_page("Chains", parts, tmp_path / "chains.csv", tmp_path / "chains.html")
+    page = (tmp_path / "chains.html").read_text()
+    assert re.findall(r"<h2>(.*?)</h2>", page) == [f"(A) proposed, D {D}, ROW 0" for D in (12, 20)]
+    for picture in re.findall(r"base64,([^\"]+)", page):
+        assert base64.b64decode(picture).startswith(b"\x89PNG")
+    assert "pairs of object in one category, the worst" in page
+    written = pd.read_csv(tmp_path / "chains.csv")
+    assert set(written["D"]) == {12, 20}
+    assert {"log_joint", "used_action", "frame_color"} <= set(written["quantity"])
+
+
+def test_chains_that_stay_apart_are_told(table: FeatureTable) -> None:
+    fits = chains(table)
+    apart = [replace(one, trace_log_joint=one.trace_log_joint + 1000.0 * i) for i, one in enumerate(fits)]
+    r_hat = [
+        diagnose_condition(CONDITION, group)[0].set_index("quantity").loc["log_joint", "r_hat"]
+        for group in (fits, apart)
+    ]
+    assert r_hat[1] > max(r_hat[0], 2.0)
+
+
+def test_a_panel_for_each_quantity(table: FeatureTable) -> None:
+    fits = chains(table)
+    draws = {f"quantity {i}": np.random.default_rng(i).normal(size=(3, 20)) for i in range(6)}
+    titles = [axes.get_title() for axes in chains_figure(fits, draws, "title").axes]
+    assert titles[1:7] == [f"ranks of quantity {i}" for i in range(6)]
