@@ -59,13 +59,7 @@ def compare(table: FeatureTable, ROW: int, method: str, variant: Variant, seed: 
     from model import Prior, Settings, Trials, fit
     from model.omission import kept_words
 
-    trials = Trials.from_arrays(
-        action=table.action,
-        objects={"position": table.position, "object": table.object_feature, "color": table.color},
-        trial_of_object=table.trial_index,
-        attended=table.attended_object,
-        sentences=table.words,
-    )
+    trials = Trials.from_arrays(**table.learning_input())
     kept = kept_words(np.random.default_rng([seed, trials.count]), len(trials.word_trial), ROW)
     priors = [Prior(box=(-0.5, 0.5) if name == "position" else (0.0, 1.0)) for name in CHANNELS]
     began = time.process_time()

@@ -73,6 +73,16 @@ class FeatureTable:
         """int64 (D,): row of each trial's attended object among the N objects; −1 where unknown."""
         return np.where(self.attended_object < 0, -1, self.first_object + self.attended_object)
 
+    def learning_input(self) -> dict[str, Any]:
+        """What the model learns from, as the arguments of `model.Trials.from_arrays`."""
+        return {
+            "action": self.action,
+            "objects": {"position": self.position, "object": self.object_feature, "color": self.color},
+            "trial_of_object": self.trial_index,
+            "attended": self.attended_object,
+            "sentences": self.words,
+        }
+
 
 def check_table(
     trials_path: Path | str,

@@ -23,13 +23,7 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> FeatureTable:
 
 def fit_of(table: FeatureTable, method: str, words: bool = True) -> Fit:
     """A short fit of the table."""
-    trials = Trials.from_arrays(
-        action=table.action,
-        objects={"position": table.position, "object": table.object_feature, "color": table.color},
-        trial_of_object=table.trial_index,
-        attended=table.attended_object,
-        sentences=table.words,
-    )
+    trials = Trials.from_arrays(**table.learning_input())
     if not words:
         trials = trials.keep_words(np.zeros(len(trials.word_trial), dtype=bool))
     return fit(trials, method, np.random.default_rng(2), iterations=15)

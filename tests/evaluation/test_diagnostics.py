@@ -20,13 +20,7 @@ CONDITION = {"experiment": "own", "method": "proposed", "D": 12, "ROW": 0}
 
 def chains(table: FeatureTable) -> list[Fit]:
     """Three chains of one posterior."""
-    trials = Trials.from_arrays(
-        action=table.action,
-        objects={"position": table.position, "object": table.object_feature, "color": table.color},
-        trial_of_object=table.trial_index,
-        attended=table.attended_object,
-        sentences=table.words,
-    )
+    trials = Trials.from_arrays(**table.learning_input())
     return [fit(trials, "proposed", np.random.default_rng(i), iterations=40, keep_history=20) for i in range(3)]
 
 

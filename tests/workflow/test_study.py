@@ -37,7 +37,9 @@ def test_every_stage_left_its_artifacts(finished: Path) -> None:
 
 
 def test_no_artifact_names_this_machine(finished: Path) -> None:
-    traces = [str(ROOT).encode(), os.uname().nodename.encode(), str(finished.parent).encode()]
+    traces = [str(ROOT).encode(), str(finished.parent).encode()]
+    if len(os.uname().nodename) > 5:  # a shorter name occurs in compressed data by chance
+        traces.append(os.uname().nodename.encode())
     for name in hashes(finished):
         content = (finished / name).read_bytes()
         assert not any(trace in content for trace in traces), name

@@ -13,13 +13,7 @@ BOXES = {"position": (-0.5, 0.5)}
 with job(snakemake.log[0]):
     names, params = snakemake.wildcards, snakemake.params
     table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=True)
-    trials = Trials.from_arrays(
-        action=table.action,
-        objects={"position": table.position, "object": table.object_feature, "color": table.color},
-        trial_of_object=table.trial_index,
-        attended=table.attended_object,
-        sentences=table.words,
-    )
+    trials = Trials.from_arrays(**table.learning_input())
     # The same words are omitted for all methods, so that methods are compared in pairs.
     omission = generator(params.seed, "omission", params.data, int(names.D), int(names.seed))
     inference = names.inference.partition("_")[0]
