@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import cv2
+
 from data_collection.mcap_log import read_log
 from data_collection.settings import Simulation
 from data_collection.show import contact_sheet, gallery, save_png
@@ -9,5 +11,8 @@ from workflow.job import job
 
 with job(snakemake.log[0]):
     logs = [read_log(Path(path)) for path in snakemake.input]
-    save_png(Path(snakemake.output.trials), contact_sheet(logs))
+    sheet = contact_sheet(logs)
+    # Noisy pictures are large as PNG; half the size still shows hand, objects and words.
+    half = cv2.resize(sheet, (sheet.shape[1] // 2, sheet.shape[0] // 2), interpolation=cv2.INTER_AREA)
+    save_png(Path(snakemake.output.trials), half)
     save_png(Path(snakemake.output.objects), gallery(Simulation.from_mapping(snakemake.params.simulation)))
