@@ -18,6 +18,8 @@ include: "workflow/rules/data_collection.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/model.smk"
 include: "workflow/rules/evaluation.smk"
+include: "workflow/rules/tasks.smk"
+include: "workflow/rules/presentation.smk"
 
 
 rule all:

@@ -9,20 +9,22 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 
 @contextmanager
-def job(log: str) -> Iterator[None]:
+def job(snakemake: Any) -> Iterator[None]:
     """Send all that a job prints, also from compiled code, to its log file.
 
     Warnings and the message of a failure appear on the screen as well, the failure's traceback in the log only.
 
     Args:
-        log: path of the log file.
+        snakemake: what Snakemake gives a script: inputs, outputs, params, wildcards and log.
 
     Raises:
         SystemExit: the job failed; the reason has been shown.
     """
+    log = snakemake.log[0]
     sys.stdout.flush()
     sys.stderr.flush()
     screen = os.fdopen(os.dup(2), "w")

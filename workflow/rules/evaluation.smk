@@ -1,38 +1,4 @@
-"""Measures of the fits, tables and figures."""
-
-from dataclasses import replace
-
-from evaluation.catalogue import FIT_FIGURES, TABLE_FORMS, tables_of
-
-TABLES = tables_of(
-    {
-        (name, task, condition.D)
-        for name in study.experiments
-        for task in TASKS
-        for condition in study.task_conditions(name, task)
-    }
-    | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings["D"]}
-)
-
-
-GENERATION_PATH = FIT_PATH.replace("fits/", "generation/", 1).removesuffix(".npz")
-
-
-def simulation_of(experiment):
-    """The settings of the simulation that an experiment's data come from; None where they do not."""
-    own = study.experiments[experiment]
-    return own.settings.get("simulation", {}) if own.source == "simulation" else None
-
-
-def scene_files(wildcards):
-    """What it takes to carry out an answer in the simulated scenes; nothing where data are not simulated."""
-    data = study.experiments[wildcards.experiment].data
-    if simulation_of(data) is None:
-        return {}
-    return {
-        "transforms": f"features/{data}/D{wildcards.D}/transforms.npz",
-        "percepts": percept_paths(data, "generation"),
-    }
+"""Measures of learning, and the one file that holds the measures of everything."""
 
 
 def columns(conditions):
@@ -45,16 +11,6 @@ def columns(conditions):
         }
         for condition in conditions
     ]
-
-
-def largest_D(wildcards):
-    """The largest D of an experiment, which its figure of the features shows."""
-    return max(settings(wildcards)["D"])
-
-
-def first_block(wildcards):
-    """The first training trials, whose images a figure shows."""
-    return study.trials(wildcards.experiment, "train")[:10]
 
 
 def tested(wildcards, task):
@@ -87,60 +43,6 @@ rule evaluate_learning:
         code=tracked("evaluate_learning.py"),
     script:
         "../scripts/evaluate_learning.py"
-
-
-rule describe:
-    input:
-        unpack(table_files("description")),
-        fits=lambda wildcards: [condition.path for condition in tested(wildcards, "description")],
-    output:
-        scores="scores/{experiment}_D{D}_description.csv",
-        descriptions="descriptions/{experiment}_D{D}.csv",
-    log:
-        "joblogs/describe/{experiment}_D{D}.log",
-    params:
-        conditions=lambda wildcards: columns(tested(wildcards, "description")),
-        words=lambda wildcards: study.experiments[wildcards.experiment].words,
-        code=tracked("describe.py"),
-    script:
-        "../scripts/describe.py"
-
-
-rule generate:
-    input:
-        unpack(table_files("generation")),
-        unpack(scene_files),
-        fit=FIT_PATH,
-    output:
-        answers=f"{GENERATION_PATH}/answers.csv",
-        logs=directory(f"{GENERATION_PATH}/mcap"),
-    log:
-        "joblogs/generate/{experiment}_{variant}_{method}_{inference}_D{D}_ROW{ROW}_seed{seed}.log",
-    params:
-        data=lambda wildcards: study.experiments[wildcards.experiment].data,
-        simulation=lambda wildcards: simulation_of(study.experiments[wildcards.experiment].data),
-        seed=lambda wildcards: settings(wildcards)["seed"],
-        data_seed=lambda wildcards: study.experiments[study.experiments[wildcards.experiment].data].settings["seed"],
-        code=tracked("generate.py"),
-    script:
-        "../scripts/generate.py"
-
-
-rule evaluate_generation:
-    input:
-        lambda wildcards: [
-            f"{GENERATION_PATH}/answers.csv".format(**vars(condition))
-            for condition in tested(wildcards, "generation")
-        ],
-    output:
-        "scores/{experiment}_D{D}_generation.csv",
-    log:
-        "joblogs/evaluate/{experiment}_D{D}_generation.log",
-    params:
-        conditions=lambda wildcards: columns(tested(wildcards, "generation")),
-        code=tracked("evaluate_generation.py"),
-    script:
-        "../scripts/evaluate_generation.py"
 
 
 def chains_of(wildcards):
@@ -181,67 +83,3 @@ rule scores:
         code=tracked("scores.py"),
     script:
         "../scripts/scores.py"
-
-
-rule tables:
-    input:
-        "scores.csv",
-    output:
-        [f"tables/{name}.{form}" for name in TABLES for form in TABLE_FORMS],
-    log:
-        "joblogs/tables.log",
-    params:
-        tables=TABLES,
-        code=tracked("tables.py"),
-    script:
-        "../scripts/tables.py"
-
-
-def figures():
-    """The figures of a study: of the fits, of the features where there are logs, of what was simulated."""
-    for name, experiment in study.experiments.items():
-        yield from (f"{name}_{figure}" for figure in FIT_FIGURES)
-        if experiment.data == name and experiment.source != "features":
-            yield f"{name}_features"
-        if experiment.data == name and experiment.source == "simulation":
-            yield from (f"{name}_trials", f"{name}_objects")
-
-
-rule figure_of_features:
-    input:
-        percepts=lambda wildcards: percept_paths(wildcards.experiment, "train", largest_D(wildcards)),
-        logs=lambda wildcards: [log_path(wildcards.experiment, "train", trial) for trial in first_block(wildcards)],
-        trials=lambda wildcards: f"features/{wildcards.experiment}/D{largest_D(wildcards)}/train_trials.parquet",
-        objects=lambda wildcards: f"features/{wildcards.experiment}/D{largest_D(wildcards)}/train_objects.parquet",
-        transforms=lambda wildcards: f"features/{wildcards.experiment}/D{largest_D(wildcards)}/transforms.npz",
-    output:
-        "figures/{experiment}_features.png",
-    log:
-        "joblogs/figures/{experiment}_features.log",
-    wildcard_constraints:
-        experiment=sources("simulation", "logs"),
-    params:
-        D=lambda wildcards: largest_D(wildcards),
-        trials=lambda wildcards: first_block(wildcards),
-        groups=lambda wildcards: len(study.experiments[wildcards.experiment].words["object"]),
-        code=tracked("figure_of_features.py"),
-    script:
-        "../scripts/figure_of_features.py"
-
-
-rule figure_of_fit:
-    input:
-        fits=lambda wildcards: [
-            replace(study.figure_condition(wildcards.experiment), seed=seed).path
-            for seed in range(1, settings(wildcards)["seeds"] + 1)
-        ],
-    output:
-        **{figure: f"figures/{{experiment}}_{figure}.png" for figure in FIT_FIGURES},
-    log:
-        "joblogs/figures/{experiment}.log",
-    params:
-        condition=lambda wildcards: vars(study.figure_condition(wildcards.experiment)),
-        words=lambda wildcards: study.experiments[wildcards.experiment].words,
-        code=tracked("figure_of_fit.py"),
-    script:
-        "../scripts/figure_of_fit.py"

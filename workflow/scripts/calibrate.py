@@ -8,7 +8,7 @@ from data_collection.settings import Simulation
 from workflow.job import job
 from workflow.provenance import lock_hash
 
-with job(snakemake.log[0]):
+with job(snakemake):
     log = calibrate(
         Simulation.from_mapping(snakemake.params.simulation),
         experiment=snakemake.wildcards.experiment,

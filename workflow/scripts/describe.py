@@ -8,7 +8,7 @@ from features.table import read_table
 from model import load
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=True)
     told = [describe_trials(load(Path(path)), table, snakemake.params.words) for path in snakemake.input.fits]
     conditions = [condition | {"task": "description"} for condition in snakemake.params.conditions]

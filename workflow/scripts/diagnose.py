@@ -6,7 +6,7 @@ from evaluation.diagnostics import diagnose_condition, write_page
 from model import load
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     parts = [
         diagnose_condition(condition, [load(Path(path)) for path in paths])
         for condition, paths in snakemake.params.conditions

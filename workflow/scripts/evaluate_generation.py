@@ -6,7 +6,7 @@ from evaluation.generation import measures, read_answers
 from evaluation.scores import score_rows, write_scores
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     rows = [
         row
         for path, condition in zip(snakemake.input, snakemake.params.conditions, strict=True)

@@ -8,7 +8,7 @@ from features.table import read_table
 from model import load
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=True)
     for channel in ("action", "position", "object", "color"):
         if getattr(table, f"truth_{channel}") is None:

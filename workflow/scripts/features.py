@@ -8,7 +8,7 @@ from features.table import write_table
 from features.transforms import apply, fit_transforms, save_transforms, table_metadata
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     D = int(snakemake.wildcards.D)
     names = ("features", snakemake.wildcards.experiment, D)
     percepts = first(join([load_percepts(Path(path)) for path in snakemake.input.percepts]), D)

@@ -12,7 +12,7 @@ from features.table import read_table
 from features.transforms import load_transforms
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     names, D = snakemake.wildcards, snakemake.params.D
     table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=True)
     percepts = first(join([load_percepts(Path(path)) for path in snakemake.input.percepts]), D)

@@ -6,7 +6,7 @@ from evaluation.figures import position_categories, save_figure, word_distributi
 from model import METHODS, load
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     fits = [load(Path(path)) for path in snakemake.input.fits]
     best = max(range(len(fits)), key=lambda i: float(fits[i].trace_log_joint[-1]))
     shown = snakemake.params.condition

@@ -10,7 +10,7 @@ from workflow.job import job
 
 BOXES = {"position": (-0.5, 0.5)}
 
-with job(snakemake.log[0]):
+with job(snakemake):
     names, params = snakemake.wildcards, snakemake.params
     table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=True)
     trials = Trials.from_arrays(**table.learning_input())

@@ -15,7 +15,7 @@ from model import load
 from workflow.job import job
 from workflow.provenance import lock_hash
 
-with job(snakemake.log[0]):
+with job(snakemake):
     names, params = snakemake.wildcards, snakemake.params
     fit = load(Path(snakemake.input.fit))
     table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=False)

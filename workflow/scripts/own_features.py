@@ -5,7 +5,7 @@ from pathlib import Path
 from features.table import head, read_table, write_table
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     train = snakemake.wildcards.set == "train"
     table = read_table(
         Path(snakemake.input.trials),

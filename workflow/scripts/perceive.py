@@ -8,7 +8,7 @@ from features.percepts import perceive
 from features.settings import FeatureSettings
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     percepts = perceive(
         (read_log(Path(path)) for path in snakemake.input.logs),
         read_log(Path(snakemake.input.calibration)),

@@ -9,7 +9,7 @@ from data_collection.settings import Simulation
 from data_collection.show import contact_sheet, gallery, save_png
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     logs = [read_log(Path(path)) for path in snakemake.input]
     sheet = contact_sheet(logs)
     # Noisy pictures are large as PNG; half the size still shows hand, objects and words.

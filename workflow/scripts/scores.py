@@ -5,5 +5,5 @@ from pathlib import Path
 from evaluation.scores import join_scores
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     join_scores([Path(path) for path in snakemake.input], Path(snakemake.output[0]))

@@ -7,7 +7,7 @@ from evaluation.scores import read_scores
 from evaluation.tables import render
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     scores = read_scores([Path(snakemake.input[0])])
     folder = Path(snakemake.output[0]).parent
     for name, table in snakemake.params.tables.items():

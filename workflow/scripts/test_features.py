@@ -7,7 +7,7 @@ from features.table import write_table
 from features.transforms import apply, load_transforms, table_metadata
 from workflow.job import job
 
-with job(snakemake.log[0]):
+with job(snakemake):
     transforms = load_transforms(Path(snakemake.input.transforms))
     percepts = join([load_percepts(Path(path)) for path in snakemake.input.percepts])
     write_table(

@@ -1,0 +1,89 @@
+"""What people look at: tables and figures."""
+
+from dataclasses import replace
+
+from evaluation.catalogue import FIT_FIGURES, TABLE_FORMS, tables_of
+
+TABLES = tables_of(
+    {
+        (name, task, condition.D)
+        for name in study.experiments
+        for task in TASKS
+        for condition in study.task_conditions(name, task)
+    }
+    | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings["D"]}
+)
+
+
+def largest_D(wildcards):
+    """The largest D of an experiment, which its figure of the features shows."""
+    return max(settings(wildcards)["D"])
+
+
+def first_block(wildcards):
+    """The first training trials, whose images a figure shows."""
+    return study.trials(wildcards.experiment, "train")[:10]
+
+
+rule tables:
+    input:
+        "scores.csv",
+    output:
+        [f"tables/{name}.{form}" for name in TABLES for form in TABLE_FORMS],
+    log:
+        "joblogs/tables.log",
+    params:
+        tables=TABLES,
+        code=tracked("tables.py"),
+    script:
+        "../scripts/tables.py"
+
+
+def figures():
+    """The figures of a study: of the fits, of the features where there are logs, of what was simulated."""
+    for name, experiment in study.experiments.items():
+        yield from (f"{name}_{figure}" for figure in FIT_FIGURES)
+        if experiment.data == name and experiment.source != "features":
+            yield f"{name}_features"
+        if experiment.data == name and experiment.source == "simulation":
+            yield from (f"{name}_trials", f"{name}_objects")
+
+
+rule figure_of_features:
+    input:
+        percepts=lambda wildcards: percept_paths(wildcards.experiment, "train", largest_D(wildcards)),
+        logs=lambda wildcards: [log_path(wildcards.experiment, "train", trial) for trial in first_block(wildcards)],
+        trials=lambda wildcards: f"features/{wildcards.experiment}/D{largest_D(wildcards)}/train_trials.parquet",
+        objects=lambda wildcards: f"features/{wildcards.experiment}/D{largest_D(wildcards)}/train_objects.parquet",
+        transforms=lambda wildcards: f"features/{wildcards.experiment}/D{largest_D(wildcards)}/transforms.npz",
+    output:
+        "figures/{experiment}_features.png",
+    log:
+        "joblogs/figures/{experiment}_features.log",
+    wildcard_constraints:
+        experiment=sources("simulation", "logs"),
+    params:
+        D=lambda wildcards: largest_D(wildcards),
+        trials=lambda wildcards: first_block(wildcards),
+        groups=lambda wildcards: len(study.experiments[wildcards.experiment].words["object"]),
+        code=tracked("figure_of_features.py"),
+    script:
+        "../scripts/figure_of_features.py"
+
+
+rule figure_of_fit:
+    input:
+        fits=lambda wildcards: [
+            replace(study.figure_condition(wildcards.experiment), seed=seed).path
+            for seed in range(1, settings(wildcards)["seeds"] + 1)
+        ],
+    output:
+        **{figure: f"figures/{{experiment}}_{figure}.png" for figure in FIT_FIGURES},
+    log:
+        "joblogs/figures/{experiment}.log",
+    params:
+        condition=lambda wildcards: vars(study.figure_condition(wildcards.experiment)),
+        words=lambda wildcards: study.experiments[wildcards.experiment].words,
+        code=tracked("figure_of_fit.py"),
+    script:
+        "../scripts/figure_of_fit.py"

@@ -1,0 +1,74 @@
+"""The tasks that use what was learned: the robot does what it is told, and tells what it did."""
+
+GENERATION_PATH = FIT_PATH.replace("fits/", "generation/", 1).removesuffix(".npz")
+
+
+def simulation_of(experiment):
+    """The settings of the simulation that an experiment's data come from; None where they do not."""
+    own = study.experiments[experiment]
+    return own.settings.get("simulation", {}) if own.source == "simulation" else None
+
+
+def scene_files(wildcards):
+    """What it takes to carry out an answer in the simulated scenes; nothing where data are not simulated."""
+    data = study.experiments[wildcards.experiment].data
+    if simulation_of(data) is None:
+        return {}
+    return {
+        "transforms": f"features/{data}/D{wildcards.D}/transforms.npz",
+        "percepts": percept_paths(data, "generation"),
+    }
+
+
+rule describe:
+    input:
+        unpack(table_files("description")),
+        fits=lambda wildcards: [condition.path for condition in tested(wildcards, "description")],
+    output:
+        scores="scores/{experiment}_D{D}_description.csv",
+        descriptions="descriptions/{experiment}_D{D}.csv",
+    log:
+        "joblogs/describe/{experiment}_D{D}.log",
+    params:
+        conditions=lambda wildcards: columns(tested(wildcards, "description")),
+        words=lambda wildcards: study.experiments[wildcards.experiment].words,
+        code=tracked("describe.py"),
+    script:
+        "../scripts/describe.py"
+
+
+rule generate:
+    input:
+        unpack(table_files("generation")),
+        unpack(scene_files),
+        fit=FIT_PATH,
+    output:
+        answers=f"{GENERATION_PATH}/answers.csv",
+        logs=directory(f"{GENERATION_PATH}/mcap"),
+    log:
+        "joblogs/generate/{experiment}_{variant}_{method}_{inference}_D{D}_ROW{ROW}_seed{seed}.log",
+    params:
+        data=lambda wildcards: study.experiments[wildcards.experiment].data,
+        simulation=lambda wildcards: simulation_of(study.experiments[wildcards.experiment].data),
+        seed=lambda wildcards: settings(wildcards)["seed"],
+        data_seed=lambda wildcards: study.experiments[study.experiments[wildcards.experiment].data].settings["seed"],
+        code=tracked("generate.py"),
+    script:
+        "../scripts/generate.py"
+
+
+rule evaluate_generation:
+    input:
+        lambda wildcards: [
+            f"{GENERATION_PATH}/answers.csv".format(**vars(condition))
+            for condition in tested(wildcards, "generation")
+        ],
+    output:
+        "scores/{experiment}_D{D}_generation.csv",
+    log:
+        "joblogs/evaluate/{experiment}_D{D}_generation.log",
+    params:
+        conditions=lambda wildcards: columns(tested(wildcards, "generation")),
+        code=tracked("evaluate_generation.py"),
+    script:
+        "../scripts/evaluate_generation.py"
