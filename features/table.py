@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from features.files import replacing
 from features.table_check import problems_of_tables
-from features.table_columns import OBJECTS, TRIALS, conform, load
+from features.table_columns import OBJECTS, TRIALS, conform, load, numbers
 
 Texts = tuple[str | None, ...]
 
@@ -115,13 +115,13 @@ def read_table(trials_path: Path | str, objects_path: Path | str, *, need_attent
         raise TableError(problems)
     trials = trials.sort_by("trial")
     objects = objects.sort_by([("trial", "ascending"), ("object", "ascending")])
-    trial = np.asarray(trials["trial"], dtype=np.int64)
+    trial = _integers(trials["trial"])
     return FeatureTable(
         trial=trial,
-        attended_object=np.asarray(trials["attended_object"].fill_null(-1), dtype=np.int64),
+        attended_object=_integers(trials["attended_object"]),
         words=tuple(tuple(sentence) for sentence in trials["words"].to_pylist()),
         action=_matrix(trials["action"]),
-        trial_index=np.searchsorted(trial, np.asarray(objects["trial"])).astype(np.int64),
+        trial_index=np.searchsorted(trial, _integers(objects["trial"])).astype(np.int64),
         position=_matrix(objects["position"]),
         object_feature=_matrix(objects["object_feature"]),
         color=_matrix(objects["color"]),
@@ -203,10 +203,14 @@ def _load_checked(
     return trials, objects, trials_problems + objects_problems + problems
 
 
+def _integers(column: Any) -> NDArray[np.int64]:
+    """A column of integers, −1 where one is null."""
+    return numbers(column.combine_chunks(), -1)
+
+
 def _matrix(column: Any) -> NDArray[np.float64]:
     """Turn lists of one length into the rows of a matrix."""
-    flat = np.asarray(column.combine_chunks().flatten(), dtype=np.float64)
-    return flat.reshape(len(column), -1)
+    return numbers(column.combine_chunks().flatten(), np.nan).reshape(len(column), -1)
 
 
 def _texts(table: Any, name: str) -> Texts | None:

@@ -6,10 +6,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import pyarrow as pa
 from numpy.typing import NDArray
 
-from features.table_columns import EXPECTED, OBJECTS, TRIALS, Column
+from features.table_columns import EXPECTED, OBJECTS, TRIALS, Column, nulls, numbers
 
 MAX_ROWS_NAMED = 20
 """So many rows are named for one breach of one column; the rest is counted."""
@@ -61,7 +60,7 @@ def _at(file: str, column: str, rows: Iterable[Any], describe: Callable[[int], s
 
 def _column_problems(file: str, column: Column, values: Any, words: Mapping[str, Sequence[str]] | None) -> list[str]:
     """Problems of one column by itself."""
-    null = np.asarray(values.is_null())
+    null = nulls(values)
     problems = []
     if not column.nullable:
         what = f"is null; expected {EXPECTED[column.kind]}"
@@ -101,7 +100,7 @@ def _word_problem(sentence: Sequence[str | None], allowed: Sequence[str] | None)
 
 def _vector_problems(file: str, column: Column, values: Any, null: NDArray[np.bool_]) -> list[str]:
     """Length, finiteness and, for a histogram, sign and sum of every vector that is not null."""
-    lengths = np.where(null, 0, np.asarray(values.value_lengths().fill_null(0)))
+    lengths = numbers(values.value_lengths(), 0)
     known = lengths[~null]
     if known.size == 0:
         return []
@@ -113,12 +112,12 @@ def _vector_problems(file: str, column: Column, values: Any, null: NDArray[np.bo
     )  # fmt: skip
     flat = values.flatten()  # leaves out what stands behind null lists
     row_of = np.repeat(np.arange(len(lengths)), lengths)
-    number = flat.to_numpy(zero_copy_only=False).astype(np.float64)  # null becomes nan
+    number = numbers(flat, np.nan)
 
     def any_in_row(flag: NDArray[np.bool_]) -> NDArray[np.bool_]:
         return np.bincount(row_of[flag], minlength=len(lengths)) > 0
 
-    missing = any_in_row(np.asarray(flat.is_null()))
+    missing = any_in_row(nulls(flat))
     problems += _at(file, column.name, np.flatnonzero(missing), lambda row: "holds a null; expected numbers")
     unusable = any_in_row(~np.isfinite(number))
     problems += _at(
@@ -144,8 +143,7 @@ def _integers(table: Any, name: str) -> tuple[NDArray[np.int64], NDArray[np.intp
     if table is None or name not in table.column_names:
         return None
     column = table.column(name).combine_chunks()
-    rows = np.flatnonzero(~np.asarray(column.is_null()))
-    return np.asarray(column.drop_null(), dtype=np.int64), rows
+    return numbers(column.drop_null(), -1), np.flatnonzero(~nulls(column))
 
 
 def _relation_problems(files: tuple[str, str], trials: Any, objects: Any, need_attention: bool) -> list[str]:
@@ -186,8 +184,8 @@ def _object_index_problems(file: str, objects: Any) -> list[str]:
     """Each (trial, object) once, the objects of a trial 0 to M − 1."""
     owner = objects.column("trial").combine_chunks()
     index = objects.column("object").combine_chunks()
-    rows = np.flatnonzero(~(np.asarray(owner.is_null()) | np.asarray(index.is_null())))
-    keys = np.stack([np.asarray(c.take(pa.array(rows)), dtype=np.int64) for c in (owner, index)], axis=1)
+    rows = np.flatnonzero(~(nulls(owner) | nulls(index)))
+    keys = np.stack([numbers(column, -1)[rows] for column in (owner, index)], axis=1)
     repeated = _repeats(keys)
     problems = _at(
         file, "object", rows[repeated],

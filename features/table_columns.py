@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 
 MAX_BYTES = 2**31
 """Largest file, and largest decompressed content, that is read."""
@@ -153,3 +155,19 @@ def _is_kind(type_: Any, column: Column) -> bool:
         return bool(pa.types.is_floating(type_.value_type))
     # a file in which every sentence is empty has no type of word
     return bool(pa.types.is_null(type_.value_type)) or any(test(type_.value_type) for test in is_text)
+
+
+def nulls(array: Any) -> NDArray[np.bool_]:
+    """Which values of an Arrow array are null."""
+    return np.asarray(np.from_dlpack(array.is_null().cast(pa.int8())), dtype=bool)
+
+
+def numbers(array: Any, missing: float) -> NDArray[Any]:
+    """The values of an Arrow array of numbers, `missing` where one is null.
+
+    Not by `np.asarray`: that imports pandas, a fifth of a second for each of hundreds of fits.
+    """
+    known = np.from_dlpack(array.drop_null())
+    values = np.full(len(array), missing, dtype=known.dtype)
+    values[~nulls(array)] = known
+    return values
