@@ -174,11 +174,11 @@ class World:
         recorder.sample()
         recorder.snapshot(channels.IMAGE_AFTER)
         ended = recorder.end()
-        after = [scene.object_pose(self.client, body) for body in self.objects]
         hand = self.robot.link_pose(robot_model.GRASP_LINK)[:3]
         force = recorder.force(self.objects[attended])
         contact = force >= self.simulation.tutor.contact
         rise = self._lift(posture, self.objects[attended]) if contact and target is not None else 0.0
+        after = [scene.object_pose(self.client, body) for body in self.objects]
         outcome = Outcome(
             displacement=float(np.linalg.norm(hand - recorder.rest_hand)),
             contact=contact,
