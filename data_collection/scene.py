@@ -15,7 +15,7 @@ import numpy as np
 
 from data_collection.messages import Floats, Image
 from data_collection.settings import Camera, Color, Light, Table
-from data_collection.shapes import Mesh, Shape, build
+from data_collection.shapes import Mesh, Shape, build, wavefront
 from data_collection.task import Placed
 
 LOGGER = logging.getLogger(__name__)
@@ -168,26 +168,30 @@ def add_object(client: Any, placed: Placed, color: Color, table_height: float, f
     kind = placed.kind
     shape = build(kind.shape, kind.size, kind.height, kind.style)
     middle = shape.height / 2
-    collision = _collision(client, shape)
-    visuals = [_visual(client, mesh, color, middle) for mesh in shape.meshes]
-    more = len(visuals) - 1
-    body: int = client.createMultiBody(
-        baseMass=kind.mass,
-        baseCollisionShapeIndex=collision,
-        baseVisualShapeIndex=visuals[0],
-        basePosition=[*placed.position, table_height + middle + 0.0005],
-        baseOrientation=client.getQuaternionFromEuler([0.0, 0.0, placed.turn]),
-        linkMasses=[1e-5] * more,
-        linkCollisionShapeIndices=[-1] * more,
-        linkVisualShapeIndices=visuals[1:],
-        linkPositions=[[0.0, 0.0, 0.0]] * more,
-        linkOrientations=[[0.0, 0.0, 0.0, 1.0]] * more,
-        linkInertialFramePositions=[[0.0, 0.0, 0.0]] * more,
-        linkInertialFrameOrientations=[[0.0, 0.0, 0.0, 1.0]] * more,
-        linkParentIndices=[0] * more,
-        linkJointTypes=[client.JOINT_FIXED] * more,
-        linkJointAxis=[[0.0, 0.0, 1.0]] * more,
-    )
+    more = len(shape.meshes) - 1
+    with tempfile.TemporaryDirectory() as folder:
+        collision = _collision(client, Path(folder, "hull.obj"), shape)
+        visuals = [
+            _visual(client, Path(folder, f"{part}.obj"), mesh, color, middle)
+            for part, mesh in enumerate(shape.meshes)
+        ]
+        body: int = client.createMultiBody(
+            baseMass=kind.mass,
+            baseCollisionShapeIndex=collision,
+            baseVisualShapeIndex=visuals[0],
+            basePosition=[*placed.position, table_height + middle + 0.0005],
+            baseOrientation=client.getQuaternionFromEuler([0.0, 0.0, placed.turn]),
+            linkMasses=[1e-5] * more,
+            linkCollisionShapeIndices=[-1] * more,
+            linkVisualShapeIndices=visuals[1:],
+            linkPositions=[[0.0, 0.0, 0.0]] * more,
+            linkOrientations=[[0.0, 0.0, 0.0, 1.0]] * more,
+            linkInertialFramePositions=[[0.0, 0.0, 0.0]] * more,
+            linkInertialFrameOrientations=[[0.0, 0.0, 0.0, 1.0]] * more,
+            linkParentIndices=[0] * more,
+            linkJointTypes=[client.JOINT_FIXED] * more,
+            linkJointAxis=[[0.0, 0.0, 1.0]] * more,
+        )
     client.changeDynamics(
         body, -1, lateralFriction=friction, spinningFriction=0.003, rollingFriction=0.002, restitution=0.0,
         linearDamping=0.1, angularDamping=0.3,
@@ -215,25 +219,28 @@ def render(client: Any, view: View, light: Light, direction: Floats, brightness:
     return np.ascontiguousarray(pixels[:, :, :3])
 
 
-def _collision(client: Any, shape: Shape) -> int:
+# PyBullet never frees the vertices that it is given as lists: meshes are loaded by way of files.
+
+
+def _collision(client: Any, path: Path, shape: Shape) -> int:
     if shape.collision == "sphere":
         return int(client.createCollisionShape(client.GEOM_SPHERE, radius=shape.height / 2))
     if shape.collision == "box":
         return int(client.createCollisionShape(client.GEOM_BOX, halfExtents=[extent / 2 for extent in shape.extents]))
     points = np.concatenate([mesh.vertices for mesh in shape.meshes]) - np.array([0.0, 0.0, shape.height / 2])
     corners = np.unique(np.round(points, 5), axis=0)
-    return int(client.createCollisionShape(client.GEOM_MESH, vertices=corners.tolist()))
+    # PyBullet takes the convex hull of the corners of triangles, whichever; the last is filled up.
+    corners = np.concatenate([corners, np.repeat(corners[-1:], -len(corners) % 3, axis=0)])
+    path.write_text(wavefront(Mesh(corners, np.zeros_like(corners)), 0.0), encoding="ascii")
+    return int(client.createCollisionShape(client.GEOM_MESH, fileName=str(path)))
 
 
-def _visual(client: Any, mesh: Mesh, color: Sequence[float], middle: float) -> int:
-    count = len(mesh.vertices)
+def _visual(client: Any, path: Path, mesh: Mesh, color: Sequence[float], middle: float) -> int:
+    path.write_text(wavefront(mesh, -middle), encoding="ascii")
     return int(
         client.createVisualShape(
             client.GEOM_MESH,
-            vertices=(mesh.vertices - np.array([0.0, 0.0, middle])).tolist(),
-            normals=mesh.normals.tolist(),
-            uvs=np.zeros((count, 2)).tolist(),
-            indices=list(range(count)),
+            fileName=str(path),
             rgbaColor=[*(mesh.tone * channel for channel in color), 1.0],
             specularColor=[0, 0, 0],
         )

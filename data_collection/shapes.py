@@ -199,6 +199,14 @@ BUILDERS: Mapping[str, Callable[[float, float, int], Shape]] = {
 }
 
 
+def wavefront(mesh: Mesh, lift: float) -> str:
+    """Return a mesh, raised by ``lift`` metres, as the text of a Wavefront OBJ file."""
+    corners = [f"v {x!r} {y!r} {z!r}" for x, y, z in (mesh.vertices + np.array([0.0, 0.0, lift])).tolist()]
+    normals = [f"vn {x!r} {y!r} {z!r}" for x, y, z in mesh.normals.tolist()]
+    faces = [f"f {i}/1/{i} {i + 1}/1/{i + 1} {i + 2}/1/{i + 2}" for i in range(1, len(corners) + 1, 3)]
+    return "\n".join([*corners, "vt 0 0", *normals, *faces, ""])
+
+
 def build(shape: str, size: float, height: float, style: int) -> Shape:
     """Return the shape of that name.
 

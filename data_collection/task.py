@@ -80,8 +80,8 @@ class Outcome:
         held: Whether the object stayed in the hand in the lift test.
         rise: Height that the object gained in the lift test, metres.
         hand_error: Distance of the hand from its commanded target, metres; None when it was not sent anywhere.
-        toppled: Indices of objects, other than the attended one, that action or lift test moved by over 2 cm or tilted
-            by over 30°.
+        toppled: Indices of objects, other than the attended one, that action or lift moved by over 2 cm or tilted by
+            over 30°.
     """
 
     displacement: float

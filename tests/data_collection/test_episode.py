@@ -191,8 +191,9 @@ def test_same_bytes_in_one_process_and_in_four(trials: list[Log], tmp_path: Path
         assert pool.map(_hashes, range(1, 5)) == ours
 
 
-@pytest.mark.slow
 def test_memory_does_not_grow(simulation: Simulation) -> None:
+    """PyBullet never frees what it is given in some ways (lists of vertices: 0.3 MB an object)."""
+
     def resident() -> int:
         status = Path("/proc/self/status").read_text(encoding="ascii")
         return int(next(line.split()[1] for line in status.splitlines() if line.startswith("VmRSS")))
@@ -200,14 +201,15 @@ def test_memory_does_not_grow(simulation: Simulation) -> None:
     with World(simulation) as world:
         scene = [
             Placed(kind, place, simulation.places[place], 0.0)
-            for kind, place in zip(simulation.kinds(), simulation.places, strict=False)
-        ][:3]
+            for kind, place in zip(simulation.kinds()[::3], simulation.places, strict=False)
+        ]
+        assert {item.kind.shape for item in scene} == {"box", "cup", "ball"}
         for number in range(60):
             world.set_up(scene, None)
             world.picture()
             if number == 9:
                 before = resident()
-        assert resident() - before < 20_000, "kB over 50 set-ups"
+        assert resident() - before < 2_500, "kB over 50 set-ups"
 
 
 @pytest.mark.slow
