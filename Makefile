@@ -1,6 +1,7 @@
 # make study   the whole study: tables and figures in results/
 # make smoke   a tiny study through every stage, in about a minute
 # make test    the tests
+# make compare   which results differ from results/reference by more than the seeds explain
 CONFIG ?= config/config.yaml
 OUT ?= results
 CORES ?= $(shell nproc 2>/dev/null || echo 2)
@@ -11,11 +12,12 @@ PYTHON := $(VENV)/bin/python
 SOURCES := data_collection features model evaluation workflow tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study smoke test test-slow lint format bench lock reference clean
+.PHONY: help setup study smoke compare test test-slow lint format bench lock reference clean
 
 help:
 	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=$(CORES)]  run a study"
 	@echo "make smoke [OUT=$(OUT)/smoke]   a tiny study through every stage"
+	@echo "make compare [OUT=$(OUT)]       which results differ from results/reference by more than the seeds explain"
 	@echo "make test | test-slow | lint | format | bench"
 	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
 	@echo "make reference   run the study and keep its tables and figures in results/reference"
@@ -46,6 +48,10 @@ study: $(READY)
 
 smoke: $(READY)
 	@$(PYTHON) -m workflow run --config config/smoke.yaml --out $(if $(filter results,$(OUT)),results/smoke,$(OUT)) --cores $(CORES)
+
+# Exits with 1 where something differs, with 2 where there is nothing to compare; make itself then says 2.
+compare: $(READY)
+	@$(PYTHON) -m evaluation compare $(OUT) results/reference
 
 test: $(READY)
 	$(PYTHON) -m pytest -n 2 --dist loadfile -m "not slow" tests
@@ -80,7 +86,7 @@ lock:
 reference: study
 	@mkdir -p results/reference
 	@rm -rf results/reference/tables results/reference/figures
-	@cp -r $(OUT)/tables $(OUT)/figures $(OUT)/scores.csv results/reference/
+	@cp -r $(OUT)/tables $(OUT)/figures $(OUT)/scores.csv $(OUT)/claims*.csv results/reference/
 
 clean:
 	@find results -mindepth 1 -maxdepth 1 ! -name reference -exec rm -rf {} + 2>/dev/null || true

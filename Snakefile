@@ -26,6 +26,7 @@ rule all:
     default_target: True
     input:
         "scores.csv",
-        expand("tables/{table}.{form}", table=TABLES, form=TABLE_FORMS),
+        "claims.csv",
+        expand("tables/{file}", file=files_of_tables(TABLES)),
         expand("figures/{figure}.png", figure=figures()),
         [f"diagnostics/{name}_D{D}.html" for name in study.experiments for D in study.experiments[name].settings["D"]],

@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 TABLE_FORMS = ("csv", "md", "tex", "html")
+# How the name of each file of a table ends.
+TABLE_ENDINGS = (*(f".{form}" for form in TABLE_FORMS), "_differences.csv")
 FIT_FIGURES = ("words", "positions")
 
 
@@ -16,14 +18,14 @@ class Table:
     Attributes:
         title: its heading.
         experiment: the experiment whose scores it shows.
-        task: `csl`, and later the tasks that use what was learned.
+        tasks: `csl`, or the tasks that use what was learned.
         measures: its columns.
         D: the one number of trials that it shows, None for all.
     """
 
     title: str
     experiment: str
-    task: str
+    tasks: tuple[str, ...]
     measures: tuple[str, ...]
     D: int | None = None
 
@@ -35,30 +37,56 @@ MEASURES = {
 }
 TITLES = {"csl": "Learning", "generation": "Action generation", "description": "Action description"}
 
-# The tables of the paper: file name, number, experiment, task, D.
+# The tables of the paper: file name, number, experiment, tasks, D.
 PAPER_TABLES = (
-    ("table_1a", "1A", "simulator", "csl", 20),
-    ("table_1b", "1B", "simulator", "csl", 40),
-    ("table_2", "2", "simulator", "generation", None),
-    ("table_3", "3", "simulator", "description", None),
-    ("table_4", "4", "real", "csl", None),
-    ("table_5", "5", "real", "description", None),
+    ("table_1a", "1A", "simulator", ("csl",), 20),
+    ("table_1b", "1B", "simulator", ("csl",), 40),
+    ("table_2", "2", "simulator", ("generation",), None),
+    ("table_3", "3", "simulator", ("description",), None),
+    ("table_4", "4", "real", ("csl",), None),
+    ("table_5", "5", "real", ("description", "generation"), None),
 )
 
 
 def tables_of(conditions: Iterable[tuple[str, str, int]]) -> dict[str, Table]:
     """The tables of a study by file name: those of the paper that it can fill, and one for each experiment and task.
 
+    A table of several tasks shows those that are run.
+
     Args:
         conditions: each (experiment, task, D) that is run.
     """
     run = set(conditions)
     tables = {}
-    for name, number, experiment, task, D in PAPER_TABLES:
-        if (experiment, task, D) in run or (D is None and (experiment, task) in {condition[:2] for condition in run}):
+    for name, number, experiment, all_tasks, D in PAPER_TABLES:
+        tasks = tuple(task for task in all_tasks if any((experiment, task, D or d) in run for _, _, d in run))
+        if tasks:
             which = f", D = {D}" if D else ""
-            title = f"Table {number}. {TITLES[task]}, {experiment}{which}"
-            tables[name] = Table(title, experiment, task, MEASURES[task], D)
+            title = " and ".join(TITLES[task].lower() for task in tasks).capitalize()
+            tables[name] = _table(f"Table {number}. {title}, {experiment}{which}", experiment, tasks, D)
     for experiment, task in sorted({(experiment, task) for experiment, task, _ in run}):
-        tables[f"{experiment}_{task}"] = Table(f"{TITLES[task]}, {experiment}", experiment, task, MEASURES[task])
+        tables[f"{experiment}_{task}"] = _table(f"{TITLES[task]}, {experiment}", experiment, (task,))
     return tables
+
+
+def files_of_tables(tables: Iterable[str]) -> list[str]:
+    """The names of all files of these tables."""
+    return [f"{name}{ending}" for name in tables for ending in TABLE_ENDINGS]
+
+
+def paper_table_with(experiment: str, measure: str, D: int) -> str | None:
+    """The name of the paper's table that shows a measure of an experiment at a D; None where none does."""
+    for name, _, of_experiment, tasks, of_D in PAPER_TABLES:
+        shown = any(measure in MEASURES[task] for task in tasks)
+        if of_experiment == experiment and of_D in (None, D) and shown:
+            return name
+    return None
+
+
+def cell_name(variant: str, inference: str, D: int, ROW: int, method: str, measure: str) -> str:
+    """The id of a cell in the page of a table, to which other pages link."""
+    return f"{variant}-{inference}-D{D}-ROW{ROW}-{method}-{measure}"
+
+
+def _table(title: str, experiment: str, tasks: tuple[str, ...], D: int | None = None) -> Table:
+    return Table(title, experiment, tasks, tuple(measure for task in tasks for measure in MEASURES[task]), D)

@@ -9,9 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from evaluation.catalogue import TABLE_FORMS, Table, tables_of
+from evaluation.catalogue import Table, files_of_tables, tables_of
 from evaluation.scores import COLUMNS
-from evaluation.tables import readable, render, select, summarise
+from evaluation.tables import best, readable, render, select, summarise
+from tests.evaluation.hand_made import scores_of
 
 VALUES = {
     ("proposed", 0): [0.2, 0.4, 0.9],
@@ -19,7 +20,7 @@ VALUES = {
     ("proposed", 40): [0.1, 0.3, np.nan],
     ("gmm", 100): [np.nan, np.nan, np.nan],
 }
-TABLE = Table("A table", "own", "csl", ("ARI_a", "EAR"), 20)
+TABLE = Table("A table", "own", ("csl",), ("ARI_a", "EAR"), 20)
 
 
 @pytest.fixture
@@ -57,7 +58,7 @@ def test_one_seed_has_no_deviation(scores: pd.DataFrame) -> None:
 
 
 def test_keys_that_do_not_change_are_left_out(scores: pd.DataFrame) -> None:
-    both = summarise(select(scores, Table("All", "own", "csl", ("EAR",))), ("EAR",))
+    both = summarise(select(scores, Table("All", "own", ("csl",), ("EAR",))), ("EAR",))
     assert list(readable(both, ("EAR",)).columns) == ["D", "ROW (%)", "method", "EAR", "seeds"]
     one = summarise(select(scores, TABLE), TABLE.measures)
     assert list(readable(one, TABLE.measures).columns) == ["ROW (%)", "method", "ARI_a", "EAR", "seeds"]
@@ -76,16 +77,69 @@ class Cells(HTMLParser):
 
 
 def test_every_form_shows_the_same(scores: pd.DataFrame, tmp_path: Path) -> None:
-    paths = {form: tmp_path / f"table.{form}" for form in TABLE_FORMS}
-    render(scores, TABLE, paths)
+    render(scores, TABLE, tmp_path, "table")
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(files_of_tables(["table"]))
+    texts = {form: (tmp_path / f"table.{form}").read_text() for form in ("md", "tex", "html")}
     page = Cells()
-    page.feed(paths["html"].read_text())
+    page.feed(texts["html"])
     assert "0.500 ± 0.361" in page.cells
-    assert "0.500 ± 0.361" in paths["md"].read_text()
-    assert r"0.500 $\pm$ 0.361" in paths["tex"].read_text()
-    assert r"ROW (\%)" in paths["tex"].read_text()
-    written = pd.read_csv(paths["csv"])
+    assert "0.500 ± 0.361" in texts["md"]
+    assert r"0.500 $\pm$ 0.361" in texts["tex"]
+    assert r"ROW (\%)" in texts["tex"]
+    # The differences are below the table: of A and C at ROW 0, of which −0.3, −0.1 and +0.4 are the differences.
+    assert "+0.000 ± 0.361 (p = 1.000)" in page.cells
+    assert "+0.000 ± 0.361 (p = 1.000)" in texts["md"]
+    written = pd.read_csv(tmp_path / "table.csv")
     assert written.loc[0, "EAR_sd"] == pytest.approx(0.360555)
+    assert written["EAR_best"].tolist() == [True, True, False, False]
+    assert pd.read_csv(tmp_path / "table_differences.csv")["measure"].tolist() == ["ARI_a", "EAR"]
+
+
+def test_a_column_has_its_best_value_in_bold(scores: pd.DataFrame, tmp_path: Path) -> None:
+    """At ROW 0 of D = 20 both have 0.5: a tie. At ROW 40 the one method has nobody to be better than."""
+    render(scores, TABLE, tmp_path, "table")
+    assert (tmp_path / "table.md").read_text().count("**0.500 ± 0.361**") == 2
+    assert (tmp_path / "table.tex").read_text().count(r"\textbf{0.500 $\pm$ 0.000}") == 2
+    assert (tmp_path / "table.html").read_text().count("<b>0.500 ± 0.361</b>") == 2
+    assert "**0.200" not in (tmp_path / "table.md").read_text()
+    higher = scores.assign(value=scores["value"] + (scores["method"] == "mmlda") * 0.01)
+    marks = best(summarise(select(higher, TABLE), TABLE.measures), TABLE.measures)
+    assert marks["EAR"].tolist() == [False, True, False, False]
+
+
+def test_n_is_told_where_a_seed_does_not_define_the_measure(scores: pd.DataFrame) -> None:
+    shown = readable(summarise(select(scores, TABLE), TABLE.measures), TABLE.measures)
+    assert shown["EAR"].tolist()[2:] == ["0.200 ± 0.141 (n = 2)", "–"]
+    assert "n =" not in shown["EAR"][0]
+
+
+def test_chance_stands_beside_its_measure() -> None:
+    values = {("generation", "proposed", 40, 0, m): v for m, v in (("OAR", [1.0, 0.5]), ("OAR_chance", [0.4, 0.4]))}
+    summary = summarise(scores_of(values), ("WAR", "OAR"))
+    shown = readable(summary, ("WAR", "OAR"))
+    assert list(shown.columns) == ["ROW (%)", "method", "WAR", "OAR", "OAR by chance", "seeds"]
+    assert shown.iloc[0].tolist()[2:] == ["–", "0.750 ± 0.354", "0.400", 2]
+
+
+def test_table_5_shows_both_tasks(tmp_path: Path) -> None:
+    tables = tables_of([("real", "description", 25), ("real", "description", 40), ("real", "generation", 25)])
+    assert tables["table_5"].measures == ("F1", "ACC", "WAR", "OAR")
+    scores = scores_of(
+        {
+            ("description", "proposed", 25, 0, "F1"): [0.1, 0.3],
+            ("description", "proposed", 40, 0, "F1"): [0.4, 0.4],
+            ("generation", "proposed", 25, 0, "OAR"): [1.0, 1.0],
+        },
+        "real",
+    )
+    render(scores, tables["table_5"], tmp_path, "table_5")
+    written = pd.read_csv(tmp_path / "table_5.csv")
+    assert written[["D", "F1_mean", "seeds"]].to_numpy().tolist() == [[25, 0.2, 2], [40, 0.4, 2]]
+    assert written["OAR_n"].tolist() == [2, 0]
+
+
+def test_a_table_shows_the_tasks_that_are_run() -> None:
+    assert tables_of([("real", "generation", 25)])["table_5"].measures == ("WAR", "OAR")
 
 
 def test_the_tables_of_a_study() -> None:

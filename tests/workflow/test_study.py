@@ -33,6 +33,8 @@ def test_every_stage_left_its_artifacts(finished: Path) -> None:
     fits = [name for name in found if name.startswith("fits/")]
     assert len(fits) == 2 * 2 * 2 + 2
     assert {f"tables/simulator_csl.{form}" for form in ("csv", "md", "tex", "html")} <= set(found)
+    assert {"claims.csv", "claims_comparisons.csv", "claims.html"} <= set(found)
+    assert "tables/simulator_csl_differences.csv" in found
     assert {"figures/simulator_words.png", "figures/simulator_positions.png", "scores.csv"} <= set(found)
 
 
@@ -68,7 +70,7 @@ def test_only_new_conditions_run(finished: Path, tmp_path: Path) -> None:
     assert ran.pop("fit") == 2 * 3 + 2 * 2 + 1
     assert ran.pop("generate") == 2 * 1  # 2 methods × the new seed at ROW 0
     sums = ("evaluate_learning", "describe", "evaluate_generation", "diagnose", "scores", "tables", "figure_of_fit")
-    assert ran == dict.fromkeys((*sums, "all"), 1)
+    assert ran == dict.fromkeys((*sums, "claims", "all"), 1)
     after = hashes(out)
     kept = [name for name in before if name.split("/")[0] in ("mcap", "percepts", "features", "fits")]
     assert {name: after[name] for name in kept} == {name: before[name] for name in kept}

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from evaluation.catalogue import FIT_FIGURES, TABLE_FORMS, tables_of
+from evaluation.catalogue import FIT_FIGURES, files_of_tables, tables_of
 
 TABLES = tables_of(
     {
@@ -29,7 +29,7 @@ rule tables:
     input:
         "scores.csv",
     output:
-        [f"tables/{name}.{form}" for name in TABLES for form in TABLE_FORMS],
+        expand("tables/{file}", file=files_of_tables(TABLES)),
     log:
         "joblogs/tables.log",
     params:
@@ -37,6 +37,28 @@ rule tables:
         code=tracked("tables.py"),
     script:
         "../scripts/tables.py"
+
+
+def described(experiment):
+    """The files of what the robot said of its actions in an experiment; none where the study has no such test."""
+    conditions = study.task_conditions(experiment, "description") if experiment in study.experiments else []
+    return [f"descriptions/{experiment}_D{D}.csv" for D in sorted({condition.D for condition in conditions})]
+
+
+rule claims:
+    input:
+        scores="scores.csv",
+        descriptions=described("simulator"),
+    output:
+        claims="claims.csv",
+        comparisons="claims_comparisons.csv",
+        page="claims.html",
+    log:
+        "joblogs/claims.log",
+    params:
+        code=tracked("claims.py"),
+    script:
+        "../scripts/claims.py"
 
 
 def figures():

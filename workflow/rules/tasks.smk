@@ -69,6 +69,7 @@ rule evaluate_generation:
         "joblogs/evaluate/{experiment}_D{D}_generation.log",
     params:
         conditions=lambda wildcards: columns(tested(wildcards, "generation")),
+        words=lambda wildcards: study.experiments[wildcards.experiment].words,
         code=tracked("evaluate_generation.py"),
     script:
         "../scripts/evaluate_generation.py"

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from evaluation.chance import description_chance
 from evaluation.description import describe_trials, write_descriptions
 from evaluation.scores import score_rows, write_scores
 from features.table import read_table
@@ -13,7 +14,9 @@ with job(snakemake):
     told = [describe_trials(load(Path(path)), table, snakemake.params.words) for path in snakemake.input.fits]
     conditions = [condition | {"task": "description"} for condition in snakemake.params.conditions]
     rows = [
-        row for condition, one in zip(conditions, told, strict=True) for row in score_rows(condition, one.measures())
+        row
+        for condition, one in zip(conditions, told, strict=True)
+        for row in score_rows(condition, one.measures() | description_chance(one.channel, snakemake.params.words))
     ]
     write_descriptions(conditions, told, Path(snakemake.output.descriptions))
     write_scores(rows, Path(snakemake.output.scores))

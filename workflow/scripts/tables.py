@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from evaluation.catalogue import TABLE_FORMS
 from evaluation.scores import read_scores
 from evaluation.tables import render
 from workflow.job import job
@@ -11,4 +10,4 @@ with job(snakemake):
     scores = read_scores([Path(snakemake.input[0])])
     folder = Path(snakemake.output[0]).parent
     for name, table in snakemake.params.tables.items():
-        render(scores, table, {form: folder / f"{name}.{form}" for form in TABLE_FORMS})
+        render(scores, table, folder, name)

@@ -1,0 +1,147 @@
+"""Two runs of a study, cell by cell: which cells differ by more than their seeds explain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.stats import false_discovery_control, ttest_ind_from_stats
+
+from evaluation.scores import CONDITION, read_scores
+
+CELL = [*(key for key in CONDITION if key != "seed"), "measure"]
+_welch_test = partial(ttest_ind_from_stats, equal_var=False)
+# The share of false alarms among the alarms.
+RATE = 0.05
+
+SAME, EXPLAINED, DIFFERS, UNKNOWN = "the same", "explained by the seeds", "differs", "too few seeds to say"
+ONE_ONLY = ("only in the results", "only in the reference")
+
+
+@dataclass(frozen=True)
+class Compared:
+    """Two runs compared.
+
+    Attributes:
+        cells: one row for each cell of both runs, indexed by `CELL`: `mean`, `sd` and `n` of either run (`_results`,
+            `_reference`), `p` and `verdict`.
+    """
+
+    cells: pd.DataFrame
+
+    @property
+    def nothing_in_common(self) -> bool:
+        """Whether no cell is in both runs."""
+        return bool(self.cells["verdict"].isin(ONE_ONLY).all())
+
+    @property
+    def explained(self) -> bool:
+        """Whether the seeds explain every difference in the cells that both runs have."""
+        return not self.cells["verdict"].isin((DIFFERS, UNKNOWN)).any()
+
+    def summary(self) -> str:
+        """What people read: how many cells say what, and those that differ, the least probable first."""
+        verdicts = self.cells["verdict"]
+        counts = (f"{(verdicts == verdict).sum():6} {verdict}" for verdict in (SAME, EXPLAINED, DIFFERS, UNKNOWN))
+        lines = [f"{(~verdicts.isin(ONE_ONLY)).sum()} cells are in both runs:", *counts]
+        for verdict in (DIFFERS, UNKNOWN):
+            chosen = self.cells[verdicts == verdict].sort_values("p", kind="stable")
+            if len(chosen):
+                lines += ["", f"{verdict}:", *(_line(cell) for _, cell in chosen.reset_index().iterrows())]
+        for verdict in ONE_ONLY:
+            chosen = self.cells[verdicts == verdict].reset_index()
+            if len(chosen):
+                lines += ["", f"{len(chosen)} cells are {verdict}:"]
+                parts = chosen["measure"].groupby(chosen.apply(_place, axis=1))
+                told = parts.agg(lambda measures: f"{len(measures)} of {', '.join(measures.unique())}")
+                lines += [f"  {place}: {text}" for place, text in told.items()]
+        return "\n".join(lines) + "\n"
+
+
+def compare_folders(results: Path, reference: Path) -> Compared:
+    """Compare the `scores.csv` of two output folders.
+
+    Raises:
+        FileNotFoundError: one has no `scores.csv`.
+        ValueError: one is no file of scores.
+    """
+    paths = [folder / "scores.csv" for folder in (results, reference)]
+    missing = [str(path) for path in paths if not path.is_file()]
+    if missing:
+        raise FileNotFoundError(f"no file {', '.join(missing)}: `make study` writes it")
+    return compare(*(read_scores([path]) for path in paths))
+
+
+def compare(results: pd.DataFrame, reference: pd.DataFrame) -> Compared:
+    """Compare the scores of two runs, cell by cell.
+
+    What the seeds explain is what their spread lets expect of the difference of two means of other seeds: Welch's t
+    test. It is not paired, because a change anywhere in the pipeline makes another chain of the same seed, and
+    because a small shift of every seed that drowns in their spread is no finding. Of the many cells some have a
+    small p by chance, so those differ that Benjamini and Hochberg's procedure finds at a rate of 5 %: if nothing has
+    changed but the chains, a false alarm in 5 % of comparisons.
+
+    A cell in which every seed has the same value in both runs is the same; so is one that is undefined in both. One
+    that has a value in one run and is undefined in the other differs, and so do two means without any spread. A mean
+    of one seed has no known spread: if it is not the same, nobody can say.
+    """
+    runs = {"results": results, "reference": reference}
+    statistics = [
+        run.groupby(CELL)["value"].agg(mean="mean", sd="std", n="count", rows="size").add_suffix(f"_{name}")
+        for name, run in runs.items()
+    ]
+    cells = statistics[0].join(statistics[1], how="outer")
+    both = cells["rows_results"].notna() & cells["rows_reference"].notna()
+    cells["p"] = _welch(cells)
+    cells["verdict"] = np.where(cells["rows_results"].notna(), *ONE_ONLY)
+    same = both & _identical(results, reference).reindex(cells.index, fill_value=False)
+    undefined = (cells["n_results"] == 0) != (cells["n_reference"] == 0)
+    tested = both & ~same & cells["p"].notna()
+    alarm = pd.Series(False, index=cells.index)
+    # Cells that are the same are tests as well, with p = 1.
+    p = cells["p"].where(~same, 1.0)[same | tested]
+    if len(p):
+        alarm[p.index] = false_discovery_control(p) <= RATE
+    cells.loc[both, "verdict"] = UNKNOWN
+    cells.loc[tested, "verdict"] = EXPLAINED
+    cells.loc[both & (alarm | undefined), "verdict"] = DIFFERS
+    cells.loc[same, "verdict"] = SAME
+    return Compared(cells.drop(columns=["rows_results", "rows_reference"]))
+
+
+def _identical(results: pd.DataFrame, reference: pd.DataFrame) -> pd.Series[bool]:
+    """Whether both runs have the same seeds and values, by cell; values to ten digits, as rounding may differ."""
+    keys = [*CELL, "seed"]
+    joined = results[[*keys, "value"]].merge(reference[[*keys, "value"]], on=keys, how="outer", indicator=True)
+    equal = np.isclose(joined["value_x"], joined["value_y"], rtol=1e-10, atol=1e-12, equal_nan=True)
+    return joined.assign(same=equal & (joined["_merge"] == "both")).groupby(CELL)["same"].all()
+
+
+def _welch(cells: pd.DataFrame) -> pd.Series[float]:
+    """The two-sided p of Welch's t test; NaN where a run has less than two seeds."""
+    arguments = (
+        cells[f"{statistic}_{name}"].to_numpy(float)
+        for name in ("results", "reference")
+        for statistic in ("mean", "sd", "n")
+    )
+    with np.errstate(all="ignore"):  # no spread, or no seed
+        p = pd.Series(_welch_test(*arguments).pvalue, index=cells.index)
+    constant = (cells["sd_results"] == 0) & (cells["sd_reference"] == 0)
+    equal = np.isclose(cells["mean_results"], cells["mean_reference"], rtol=1e-10, atol=1e-12)
+    return p.mask(constant, equal.astype(float))
+
+
+def _place(cell: pd.Series[str]) -> str:
+    return f"{cell['experiment']} {cell['variant']} {cell['inference']} {cell['task']} D {cell['D']}"
+
+
+def _line(cell: pd.Series[str]) -> str:
+    sides = (
+        f"{cell[f'mean_{name}']:.3f} ± {cell[f'sd_{name}']:.3f} (n = {cell[f'n_{name}']:.0f})"
+        for name in ("results", "reference")
+    )
+    where = f"{_place(cell)} ROW {cell['ROW']} {cell['method']} {cell['measure']}"
+    return f"  {where}: {' against '.join(sides)}, p = {float(cell['p']):.2g}".replace("nan", "–")

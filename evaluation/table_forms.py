@@ -1,0 +1,118 @@
+"""Tables as people read them: Markdown, LaTeX and an HTML page, from the same cells."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import pandas as pd
+
+
+@dataclass(frozen=True)
+class Grid:
+    """One table of text.
+
+    Attributes:
+        caption: what it shows.
+        cells: its text; a row a row, a column a column.
+        bold: which cells are bold, by the columns that have such cells; rows as in `cells`.
+        names: the ids of cells in the page, by the columns whose cells have one.
+    """
+
+    caption: str
+    cells: pd.DataFrame
+    bold: pd.DataFrame | None = None
+    names: pd.DataFrame | None = None
+
+
+def text_forms(title: str, grids: Sequence[Grid], note: str) -> dict[str, str]:
+    """A file of one or more tables in each form that holds text: md, tex, html.
+
+    Args:
+        title: the heading of the file.
+        grids: the tables; one without rows is left out.
+        note: how to read them.
+    """
+    filled = [grid for grid in grids if len(grid.cells)]
+    return {
+        "md": "\n\n".join([*(markdown(grid) for grid in filled), note]) + "\n",
+        "tex": "\n".join([*(latex(grid) for grid in filled), f"\\noindent\\small {_escape(note)}\n"]),
+        "html": _PAGE.format(
+            title=html.escape(title),
+            style=STYLE,
+            tables="\n".join(fragment(grid) for grid in filled),
+            note=html.escape(note),
+        ),
+    }
+
+
+def markdown(grid: Grid) -> str:
+    """A table with its caption in Markdown."""
+    cells = _marked(grid, "**", "**").to_markdown(index=False, disable_numparse=True)
+    return f"**{grid.caption}**\n\n{cells}"
+
+
+def latex(grid: Grid) -> str:
+    """A table with its caption in LaTeX (package booktabs)."""
+    escaped = Grid(grid.caption, grid.cells.astype(str).map(_escape), grid.bold)
+    cells = _marked(escaped, r"\textbf{", "}")
+    cells.columns = pd.Index([_escape(str(column)) for column in cells.columns])
+    style = cells.style.hide(axis="index")
+    return str(style.to_latex(caption=_escape(grid.caption), hrules=True, column_format="l" * len(cells.columns)))
+
+
+def fragment(grid: Grid) -> str:
+    """A table with its caption in HTML, without a page around it."""
+    escaped = Grid(grid.caption, grid.cells.astype(str).map(html.escape), grid.bold)
+    cells = _marked(escaped, "<b>", "</b>")
+    head = "".join(f"<th>{html.escape(str(column))}</th>" for column in cells.columns)
+    names = grid.names if grid.names is not None else pd.DataFrame(index=cells.index)
+    ids = [[names[column].iloc[row] if column in names else None for column in cells] for row in range(len(cells))]
+    rows = [
+        "".join(
+            f'<td id="{html.escape(name)}">{text}</td>' if name else f"<td>{text}</td>"
+            for name, text in zip(row_ids, row, strict=True)
+        )
+        for row_ids, row in zip(ids, cells.itertuples(index=False), strict=True)
+    ]
+    body = "\n".join(f"<tr>{row}</tr>" for row in rows)
+    return (
+        f"<table>\n<caption>{html.escape(grid.caption)}</caption>\n<thead><tr>{head}</tr></thead>\n"
+        f"<tbody>\n{body}\n</tbody>\n</table>"
+    )
+
+
+def _marked(grid: Grid, before: str, after: str) -> pd.DataFrame:
+    """The cells as text, bold ones between two marks."""
+    cells = grid.cells.astype(str)
+    if grid.bold is not None:
+        for column in grid.bold:
+            cells[column] = cells[column].where(~grid.bold[column], before + cells[column] + after)
+    return cells
+
+
+def _escape(text: str) -> str:
+    for symbol, replacement in (("_", r"\_"), ("%", r"\%"), ("±", r"$\pm$"), ("−", "$-$"), ("–", "--")):
+        text = text.replace(symbol, replacement)
+    return text
+
+
+STYLE = """body { font: 15px/1.5 system-ui, sans-serif; margin: 2em; color: #222; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: 1.5em 0; }
+caption { text-align: left; font-weight: 600; padding: .4em 0; }
+th, td { padding: .25em .9em; text-align: left; border-bottom: 1px solid #ddd; vertical-align: top; }
+thead th { border-top: 2px solid #222; border-bottom: 1px solid #222; }
+tbody tr:last-child td { border-bottom: 2px solid #222; }
+td:target { background: #ffe9a8; }
+p { max-width: 60em; }"""
+
+_PAGE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>{title}</title>
+<style>
+{style}
+</style></head>
+<body><h1>{title}</h1>
+{tables}
+<p>{note}</p></body></html>
+"""

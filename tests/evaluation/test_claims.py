@@ -1,0 +1,187 @@
+"""The claims on results made by hand, in which each verdict is known."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from evaluation.catalogue import MEASURES, tables_of
+from evaluation.claims import ACTION_WORDS, CLAIMS
+from evaluation.claims_page import claims_html, write_claims
+from evaluation.metrics import f1_macro
+from evaluation.tables import render
+from evaluation.verdicts import description_scores, judge_claims, read_descriptions
+from tests.evaluation.hand_made import scores_of
+
+SEEDS = 10
+NOISE = np.linspace(-0.004, 0.004, SEEDS)
+Level = Callable[[str, str, int, int, str], float]
+SIMULATOR = {"EAR": (0.9, 0.7, 0.0), "F1": (0.8, 0.6, 0.5), "ACC": (0.8, 0.6, 0.5), "WAR": (0.7, 0.6, 0.5)}
+METHODS = ("proposed", "no_mec2", "mmlda")
+
+
+def as_the_paper_says(experiment: str, method: str, D: int, ROW: int, measure: str) -> float:
+    """A level of each measure for which all claims about scores hold."""
+    if measure == "OAR":
+        return {"simulator": 1.0, "real": 1.0 if method != "mmlda" else 0.8}[experiment]
+    if measure.startswith("ARI"):
+        gain = 0.2 * (ROW < 100) if measure == "ARI_p" else 0.0
+        return {"ARI_a": 0.3, "ARI_p": 0.5, "ARI_o": 0.4, "ARI_c": 0.98}[measure] + gain - ROW / 5000 + D / 2000
+    level = SIMULATOR[measure][METHODS.index(method)] if method in METHODS else 0.0
+    if measure == "EAR" and D == 20 and method == "no_mec2" and ROW >= 40:
+        return as_the_paper_says(experiment, "proposed", D, ROW, measure) - 0.02
+    return level - ROW / 500 + D / 2000
+
+
+MEASURED = [(task, measure) for task, measures in MEASURES.items() for measure in measures]
+
+
+def results(level: Level) -> pd.DataFrame:
+    """The scores of a whole study, seeds apart by a little noise of their own."""
+    grids = {"simulator": ((20, 40), (0, 20, 40, 60)), "real": ((25, 40), (0, 9, 20, 40))}
+    frames = []
+    for experiment, (Ds, ROWs) in grids.items():
+        values = {}
+        conditions = [(m, D, ROW) for m in METHODS for D in Ds for ROW in ROWs] + [("gmm", D, 100) for D in Ds]
+        for i, (method, D, ROW) in enumerate(conditions):
+            for task, measure in MEASURED:
+                noise = 0.0 if measure == "OAR" else np.roll(NOISE, 3 * i)
+                values[(task, method, D, ROW, measure)] = list(
+                    np.full(SEEDS, level(experiment, method, D, ROW, measure)) + noise
+                )
+        frames.append(scores_of(values, experiment))
+    return pd.concat(frames, ignore_index=True)
+
+
+def descriptions(mistake: tuple[str, str] = ("reach", "touch"), bad: str = "action") -> pd.DataFrame:
+    """Two trials an action word; `mistake` always happens, and at ROW 40 the words of a channel `bad` are lost."""
+    rows = []
+    truth = {"action": ACTION_WORDS, "position": ("left", "far"), "object": ("cup", "ball"), "color": ("red", "blue")}
+    lost = {"action": ("action", "position"), "object": ("object", "color")}[bad]
+    for D in (20, 40):
+        for ROW in (0, 40):
+            for seed in range(1, SEEDS + 1):
+                for channel, words in truth.items():
+                    for trial, word in enumerate(words * 2):
+                        # At ROW 40 some words are said wrong: one of another channel, that is never true.
+                        forgotten = ROW == 40 and channel in lost and trial < len(words) - seed % 2
+                        said = "what" if forgotten else mistake[1] if word == mistake[0] else word
+                        rows.append((D, ROW, seed, trial, channel, word, said))
+    told = pd.DataFrame(rows, columns=["D", "ROW", "seed", "trial", "channel", "true", "described"])
+    same = {"experiment": "simulator", "variant": "default", "task": "description", "method": "proposed"}
+    return told.assign(**same, inference="blocked", averaged_draws=1, chains=1)
+
+
+def verdicts(scores: pd.DataFrame, told: pd.DataFrame) -> dict[int, str]:
+    claims, _ = judge_claims(scores, told)
+    return dict(zip(claims["claim"], claims["verdict"], strict=True))
+
+
+def test_everything_as_the_paper_says() -> None:
+    found = verdicts(results(as_the_paper_says), descriptions())
+    assert found == dict.fromkeys(range(1, 15), "holds")
+
+
+def changed(**change: float) -> Level:
+    """The paper's levels with other ones for cells named experiment_method_D_ROW_measure, `x` for any."""
+
+    def level(*names: object) -> float:
+        for pattern, value in change.items():
+            if re.fullmatch(pattern.replace("x", "[^/]*").replace("__", "/"), "/".join(map(str, names))):
+                return value
+        return as_the_paper_says(*names)  # type: ignore[arg-type]
+
+    return level
+
+
+@pytest.mark.parametrize(
+    ("change", "refuted"),
+    [
+        ({"simulator__proposed__40__20__EAR": 0.3}, {1}),
+        ({"simulator__no_mec2__20__60__EAR": 0.1}, {2, 3}),
+        ({"simulator__proposed__20__40__ACC": 0.99}, {4}),
+        ({"simulator__proposed__40__0__F1": 0.5}, {4, 5, 10}),
+        ({"simulator__gmm__20__100__ARI_p": 0.9}, {6}),
+        ({"simulator__proposed__40__0__ARI_c": 0.9}, {7}),
+        ({"simulator__proposed__40__0__ARI_o": 1.0}, {6, 8}),
+        ({"simulator__mmlda__40__0__WAR": 0.9}, {9}),
+        ({"simulator__proposed__40__0__OAR": 0.9}, {9}),
+        ({"simulator__mmlda__20__0__F1": 0.9}, {10}),
+        ({"real__mmlda__25__9__ARI_c": 0.5}, {13}),
+        ({"real__proposed__40__40__EAR": 0.1}, {13}),
+        ({"real__no_mec2__25__0__OAR": 0.9}, {14}),
+        ({"real__mmlda__25__0__OAR": 1.0}, {14}),
+    ],
+)
+def test_each_claim_can_be_refuted(change: dict[str, float], refuted: set[int]) -> None:
+    found = verdicts(results(changed(**change)), read_descriptions([]))
+    assert {claim for claim, verdict in found.items() if verdict == "does not hold"} == refuted
+
+
+def test_claims_about_words_can_be_refuted() -> None:
+    scores = results(as_the_paper_says)
+    assert verdicts(scores, descriptions(mistake=("grasp", "touch")))[11] == "does not hold"
+    assert verdicts(scores, descriptions(bad="object"))[12] == "does not hold"
+
+
+def test_what_a_study_did_not_run_is_not_run() -> None:
+    scores = results(as_the_paper_says)
+    nothing = read_descriptions([])
+    found = verdicts(scores[(scores.experiment == "simulator") & (scores.task != "generation")], nothing)
+    assert {claim for claim, verdict in found.items() if verdict == "not run"} == {9, 11, 12, 13, 14}
+    claims, comparisons = judge_claims(scores[:0], nothing)
+    assert set(claims["verdict"]) == {"not run"}
+    assert set(claims["ours"]) == set(claims["rests_on"]) == set(comparisons["rests_on"]) == {""}
+    assert comparisons[["left", "right", "difference", "low", "high"]].isna().all(axis=None)
+    assert "not run" in claims_html(claims, comparisons)
+
+
+def test_other_variants_and_samplers_are_not_the_papers() -> None:
+    scores = results(as_the_paper_says)
+    assert set(verdicts(scores.assign(variant="small_alpha"), descriptions()).values()) <= {"not run", "holds"}
+    assert verdicts(scores.assign(inference="collapsed"), descriptions())[1] == "not run"
+
+
+def test_the_same_results_give_the_same_verdicts() -> None:
+    scores, told = results(as_the_paper_says), descriptions()
+    for first, second in zip(judge_claims(scores, told), judge_claims(scores.iloc[::-1], told), strict=True):
+        pd.testing.assert_frame_equal(first, second)
+
+
+def test_measures_of_parts_of_descriptions() -> None:
+    """F1 of all channels, weighted by their words, is F1; confusions are counted in both directions."""
+    told = descriptions(mistake=("touch", "reach"))
+    one = told[(told.D == 20) & (told.ROW == 0) & (told.seed == 1)]
+    found = description_scores(one).set_index("measure")["value"]
+    assert found["confused reach/touch"] == 2
+    assert found["confused touch/grasp"] == 0
+    counts = {"action": 4, "position": 2, "object": 2, "color": 2}
+    weighted = sum(n * found[f"F1_{channel}"] for channel, n in counts.items()) / sum(counts.values())
+    assert weighted == pytest.approx(f1_macro(one["true"].tolist(), one["described"].tolist()))
+    silent = one[~one["true"].isin(["reach", "touch"])]
+    assert "confused reach/touch" not in description_scores(silent)["measure"].tolist()
+
+
+def test_every_link_leads_to_a_cell(tmp_path: Path) -> None:
+    scores = results(as_the_paper_says)
+    for name, table in tables_of(set(zip(scores.experiment, scores.task, scores.D, strict=True))).items():
+        render(scores, table, tmp_path / "tables", name)
+    claims, comparisons = judge_claims(scores, descriptions())
+    write_claims(claims, comparisons, tmp_path / "claims.csv", tmp_path / "rows.csv", tmp_path / "claims.html")
+    page = (tmp_path / "claims.html").read_text()
+    links = {link for links in comparisons["rests_on"] for link in links.split()}
+    assert len(links) > 100
+    for link in links:
+        assert f'href="{link}"' in page
+        file, _, cell = link.partition("#")
+        if cell:
+            assert f'id="{cell}"' in (tmp_path / file).read_text()
+        else:
+            assert re.fullmatch(r"descriptions/simulator_D\d+\.csv", file)
+    kept = pd.read_csv(tmp_path / "claims.csv", keep_default_na=False)
+    assert kept["claim"].tolist() == [claim.number for claim in CLAIMS] == list(range(1, 15))
