@@ -23,7 +23,7 @@ OUT = Path()  # Snakemake runs jobs in the output folder
 
 @contextmanager
 def job(snakemake: Any) -> Iterator[None]:
-    """Verify the inputs of a job, record its outputs, and send all that is printed, even by compiled code, to its log.
+    """Verify the inputs of a job, record its outputs, and send all that it prints, even compiled code, to its log.
 
     Warnings and the message of a failure appear on the screen as well, the failure's traceback in the log only.
     An input that is damaged is named and removed.
@@ -65,7 +65,7 @@ def recorded(snakemake: Any) -> Iterator[None]:
     """Verify the inputs of a job, and record its outputs when all are in place.
 
     Raises:
-        Damaged: an input is not what its record says.
+        DamagedError: an input is not what its record says.
     """
     outputs = by_role(snakemake.output)
     for path in outputs.values():

@@ -1,17 +1,17 @@
 """Keys: a hash of all that makes an artifact, known before it is made.
 
-A job's key hashes its rule, wildcards, parameters (among them the hash of its code and of the lock file) and, by role,
-the keys of its inputs; an output's key hashes its job's key and its role in it. The key of a file that no job makes is
-the hash of its content. Paths are in no key, so that a key is the same in every clone and output folder.
+A job's key hashes its rule, wildcards, parameters (among them the hash of its code and of the lock file) and, by
+role, the keys of its inputs; an output's key hashes its job's key and its role in it. The key of a file that no job
+makes is the hash of its content. Paths are in no key: it is the same in every clone and output folder.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from pathlib import Path
 from typing import Any
 
 
@@ -28,10 +28,8 @@ def plain(value: Any, where: str = "value") -> Any:
     if value is None or isinstance(value, bool | int | float):
         return value
     if isinstance(value, str):
-        if os.path.isabs(value):
-            raise ValueError(
-                f"{where}: {value!r} is an absolute path, with which no two folders could share anything"
-            )
+        if Path(value).is_absolute():
+            raise ValueError(f"{where}: {value!r} is an absolute path, with which nothing could be shared")
         return str(value)
     if isinstance(value, Mapping):
         for key in value:
@@ -59,7 +57,7 @@ def job_key(rule: str, wildcards: Mapping[str, str], parameters: Mapping[str, An
     """
     if not isinstance(parameters.get("code"), str):
         raise ValueError(
-            f"rule {rule} has no parameter code=tracked(script): a change of its code would be overlooked"
+            f"rule {rule} has no parameter code=tracked(script): changes of its code would be overlooked"
         )
     parts = {
         "rule": rule,

@@ -32,9 +32,7 @@ def write_manifest(out: Path, artifacts: Iterable[str], patience: float = 30.0) 
         while (record := read_record(out, path)) is None and time.monotonic() < until:
             time.sleep(0.5)
         if record is None:
-            raise ValueError(
-                f"{path}: nothing says what made it (its rule's script must run in `with job(snakemake)`)"
-            )
+            raise ValueError(f"{path}: nothing says what made it (does its script run in `with job(snakemake)`?)")
         entries[path] = record.mapping()
     with replacing(out / MANIFEST) as (temporary,):
         text = json.dumps({"artifacts": entries}, sort_keys=True, indent=1, ensure_ascii=False)

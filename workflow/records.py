@@ -1,6 +1,6 @@
 """Records: beside each artifact, in `OUT/.artifacts`, what it is and what made it.
 
-A record is written when its artifact is complete, and is the checksum that every reader of the artifact compares with.
+A record is written when its artifact is complete; every reader of the artifact compares its checksum.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from workflow.keys import hash_of, job_key, output_key, plain
 FOLDER = ".artifacts"
 
 
-class Damaged(ValueError):
+class DamagedError(ValueError):
     """An artifact is not what its record says."""
 
 
@@ -145,7 +145,7 @@ def verified_inputs(out: Path, paths: Mapping[str, str]) -> dict[str, Input]:
     """The inputs of a job by role, each compared with its record. Absolute paths are files from elsewhere.
 
     Raises:
-        Damaged: an artifact is not what its record says; it was removed, so that the next run makes it again.
+        DamagedError: an artifact is not what its record says; it was removed, so that the next run makes it again.
     """
     verified = cache(lambda path: _verified(out, path))
     return {role: verified(path) for role, path in paths.items()}
@@ -158,10 +158,10 @@ def _verified(out: Path, path: str) -> Input:
     record = read_record(out, path)
     if record is None:
         remove(out, path)
-        raise Damaged(f"{path}: nothing says what made it; it was removed, run again and it will be made")
+        raise DamagedError(f"{path}: nothing says what made it; it was removed, run again and it will be made")
     if record.sha256 != found.sha256:
         remove(out, path)
-        raise Damaged(
+        raise DamagedError(
             f"{path} is damaged: sha256 {found.sha256[:12]}…, but {record.sha256[:12]}… when it was made; "
             "it was removed, run again and it will be made"
         )

@@ -35,12 +35,10 @@ def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) 
     """
     out = out.resolve()
     out.mkdir(parents=True, exist_ok=True)
-    logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(message)s")
+    _show_warnings()
     with _held(out / ".running") as held:
         if not held:
-            sys.stderr.write(
-                f"{out}: another study is running in this folder; wait for it, or choose another --out\n"
-            )
+            sys.stderr.write(f"{out}: another study is running in this folder; wait for it, or name another --out\n")
             return BUSY
         _remove_parts(out)
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
@@ -54,6 +52,15 @@ def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) 
                 status = FAILED
             store.trim()
         return status
+
+
+def _show_warnings() -> None:
+    """Show what our own modules warn of, apart from what Snakemake logs."""
+    handler = logging.StreamHandler()
+    handler.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
+    logger = logging.getLogger("workflow")
+    logger.addHandler(handler)
+    logger.propagate = False
 
 
 def _remove_parts(out: Path) -> None:

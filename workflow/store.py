@@ -14,6 +14,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -161,10 +162,8 @@ class Store:
         except OSError as error:
             self._warn(f"{self.folder}: the cache cannot be used ({error.strerror}); going on without")
             return False
-        try:
+        with suppress(OSError):  # read-only: then nobody cleans up by age either
             os.utime(entry / "entry.json")
-        except OSError:
-            pass  # read-only: then nobody cleans up by age either
         return True
 
     def entries(self) -> Iterator[Entry]:
