@@ -15,9 +15,9 @@ ARTIFACTS = (".mcap", ".parquet", ".npz", ".csv", ".md", ".tex", ".html", ".png"
 
 
 def command(config: Path, out: Path, *more: str) -> list[str]:
-    """The command line that the Makefile uses."""
+    """The command line that the Makefile uses, with a cache for this output folder alone."""
     base = [sys.executable, "-m", "workflow", "run", "--config", str(config), "--out", str(out), "--cores", "2"]
-    return [*base, *(["--", *more] if more else [])]
+    return [*base, *("--cache", f"{out}.cache"), *(["--", *more] if more else [])]
 
 
 def run(config: Path, out: Path, *more: str, succeeds: bool = True) -> str:
