@@ -40,16 +40,30 @@ class Job:
 
 
 @dataclass(frozen=True)
+class Plan:
+    """What Snakemake laid out.
+
+    Attributes:
+        jobs: in an order in which they could run.
+        for_real: this is no dry run, nor a question such as --summary.
+        whole: these are all jobs of the study, not those for some target.
+    """
+
+    jobs: Sequence[Job]
+    for_real: bool = True
+    whole: bool = True
+
+
+@dataclass(frozen=True)
 class Hooks:
     """What Snakemake is to ask and to tell.
 
     Attributes:
-        decide: given all jobs in an order in which they could run, and whether this is for real (rather than a dry
-            run, or a question such as --summary), the jobs that must run, by their place in that order.
+        decide: the jobs of a plan that must run, by their place in it.
         finished: told of each job that has succeeded.
     """
 
-    decide: Callable[[Sequence[Job], bool], Collection[int]]
+    decide: Callable[[Plan], Collection[int]]
     finished: Callable[[Job], None] = lambda job: None
 
 
@@ -62,6 +76,8 @@ def run(arguments: Sequence[str], hooks: Hooks) -> int:
             main(list(arguments))
         except SystemExit as end:
             return end.code if isinstance(end.code, int) else 1
+        except KeyboardInterrupt:  # before the first job; later ones Snakemake deals with
+            return 1
     return 0
 
 
@@ -86,8 +102,8 @@ def planned(config: Path, out: Path) -> list[Job]:
     """
     found: list[Job] = []
 
-    def decide(jobs: Sequence[Job], for_real: bool) -> Collection[int]:
-        found[:] = jobs
+    def decide(plan: Plan) -> Collection[int]:
+        found[:] = plan.jobs
         return ()
 
     if run([*command_line(config, out, 1), "--dry-run", "--quiet", "all"], Hooks(decide)) != 0:
@@ -124,8 +140,13 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
     async def decided(dag: Any, create_inventory: bool = False) -> None:
         ordered = [job for level in dag.toposorted() for job in sorted(level, key=_name)]
         tracked = [job for job in ordered if not job.is_norun]
-        for_real = dag.workflow.executor_plugin is not None and not (dag.workflow.dryrun or dag.workflow.touch)
-        chosen = {tracked[i] for i in hooks.decide([_job(dag, job) for job in tracked], for_real)}
+        asked = dag.workflow.dag_settings
+        plan = Plan(
+            [_job(dag, job) for job in tracked],
+            for_real=dag.workflow.executor_plugin is not None and not (dag.workflow.dryrun or dag.workflow.touch),
+            whole=not (asked.targets or asked.until or asked.omit_from or asked.batch),
+        )
+        chosen = {tracked[i] for i in hooks.decide(plan)}
         for job in ordered:  # targets such as `all`, which do nothing but ask for files
             if job.is_norun and not chosen.isdisjoint(dag.dependencies[job]):
                 chosen.add(job)

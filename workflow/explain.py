@@ -51,7 +51,7 @@ def _maker(out: Path, record: Record, margin: str, seen: set[str]) -> Iterator[s
     seen.add(job)
     yield f"{margin}   made by {made_by}"
     for name, value in sorted(record.parameters.items()):
-        yield f"{margin}   {name}: {_short(value)}"
+        yield f"{margin}   {name}: {_code(value) if name == 'code' else _short(value)}"
     for i, (role, each) in enumerate(record.inputs.items()):
         last = i == len(record.inputs) - 1
         yield f"{margin}{'└─' if last else '├─'} {role}: {each.path}  {_hashes(each.sha256, each.key)}"
@@ -73,6 +73,11 @@ def _input(out: Path, each: Input, margin: str, seen: set[str]) -> Iterator[str]
 
 def _hashes(sha256: str, key: str) -> str:
     return f"[sha256 {sha256[:12]}… key {key[:12]}…]"
+
+
+def _code(value: str) -> str:
+    """The hash of the code, and that of the lock file, which follows it."""
+    return f"{value[:12]}… environment.lock {value[64:76]}…"
 
 
 def _short(value: Any) -> str:

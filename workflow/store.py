@@ -7,6 +7,7 @@ locks. Files go in and out as copies, never as links: an edit in place of an art
 
 from __future__ import annotations
 
+import errno
 import json
 import logging
 import os
@@ -72,7 +73,7 @@ class Store:
 
     folder: Path
     limit: int = int(DEFAULT_GIB * 2**30)
-    _warned: set[str] = field(default_factory=set, repr=False)
+    _closed: set[str] = field(default_factory=set, repr=False)  # what could not be done: "written", "read"
 
     def __contains__(self, key: str) -> bool:
         return os.path.isfile(self._entry(key) / "entry.json")  # noqa: PTH113 (no error where it cannot be looked into)
@@ -90,8 +91,8 @@ class Store:
         Returns:
             Whether the store has the entry now.
         """
-        if self.limit == 0 or key in self:
-            return self.limit > 0
+        if self.limit == 0 or "written" in self._closed or key in self:
+            return self.limit > 0 and key in self
         temporary: Path | None = None
         try:
             (self.folder / "tmp").mkdir(parents=True, exist_ok=True)
@@ -107,8 +108,8 @@ class Store:
             self._entry(key).parent.mkdir(exist_ok=True)
             temporary.rename(self._entry(key))
         except OSError as error:
-            if key not in self:  # else another process was faster
-                self._warn(f"{self.folder}: the cache cannot be written ({error.strerror}); going on without")
+            if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):  # there another process was faster
+                self._close("written", error)
             return key in self
         finally:
             if temporary is not None:
@@ -130,7 +131,7 @@ class Store:
             Whether they are in place now.
         """
         entry = self._entry(key)
-        if self.limit == 0 or key not in self:
+        if self.limit == 0 or "read" in self._closed or key not in self:
             return False
         try:
             listing = _listing(entry)
@@ -160,7 +161,7 @@ class Store:
             self._damaged(entry, str(error))
             return False
         except OSError as error:
-            self._warn(f"{self.folder}: the cache cannot be used ({error.strerror}); going on without")
+            self._close("read", error)
             return False
         with suppress(OSError):  # read-only: then nobody cleans up by age either
             os.utime(entry / "entry.json")
@@ -216,11 +217,9 @@ class Store:
             return False
         return True
 
-    def _warn(self, message: str) -> None:
-        kind = message.rpartition("(")[0]
-        if kind not in self._warned:
-            self._warned.add(kind)
-            _logger.warning("%s", message)
+    def _close(self, what: str, error: OSError) -> None:
+        self._closed.add(what)
+        _logger.warning("%s: the cache cannot be %s (%s); going on without", self.folder, what, error.strerror)
 
 
 def _listing(entry: Path) -> list[Record]:

@@ -93,7 +93,9 @@ def test_holes_of_snakemakes_own_cache_are_closed(change: dict[str, Any]) -> Non
 
 
 def test_order_of_names_does_not_matter() -> None:
-    turned = {name: dict(reversed(value.items())) if isinstance(value, dict) else value for name, value in BASE.items()}
+    turned = {
+        name: dict(reversed(value.items())) if isinstance(value, dict) else value for name, value in BASE.items()
+    }
     assert job_key(**turned) == job_key(**BASE)
 
 
@@ -109,7 +111,12 @@ class Table:
 
 @pytest.mark.parametrize(
     ("value", "expected"),
-    [((1, 2), [1, 2]), (range(2), [0, 1]), (Table("t", (1,)), {"title": "t", "rows": [1]}), ({"a": None}, {"a": None})],
+    [
+        ((1, 2), [1, 2]),
+        (range(2), [0, 1]),
+        (Table("t", (1,)), {"title": "t", "rows": [1]}),
+        ({"a": None}, {"a": None}),
+    ],
 )
 def test_plain(value: Any, expected: Any) -> None:
     assert plain(value) == expected
@@ -235,3 +242,21 @@ def test_rules_that_keys_cannot_follow_are_refused(
     """A `run:` or `shell:` body, or the hash of another script's code."""
     project.edit(file, change)
     assert message in project.plan(succeeds=False)["error"]
+
+
+def test_a_file_of_weights_counts_by_its_content(tmp_path: Path) -> None:
+    """Of feature extraction; where it lies is in no key."""
+    config = yaml.safe_load((ROOT / "config" / "smoke.yaml").read_text(encoding="utf-8"))
+    config["experiments"]["simulator"]["feature_extraction"] = {"weights": "weights.pt"}
+    found = []
+    for folder, content in (("a", "1"), ("b", "1"), ("c", "2")):
+        (tmp_path / folder / "out").mkdir(parents=True)
+        (tmp_path / folder / "weights.pt").write_text(content)
+        (tmp_path / folder / "config.yaml").write_text(yaml.safe_dump(config))
+        jobs = dag.planned(tmp_path / folder / "config.yaml", tmp_path / folder / "out")
+        keys = keys_of(jobs, lambda path: Path(path).read_text())
+        found.append({job.rule: key for job, key in zip(jobs, keys, strict=True)})
+    assert found[0] == found[1]
+    changed = {rule for rule in found[0] if found[0][rule] != found[2][rule]}
+    assert {"perceive", "features", "fit"} <= changed
+    assert not any("collect" in rule for rule in changed)
