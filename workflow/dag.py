@@ -147,6 +147,8 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
             whole=not (asked.targets or asked.until or asked.omit_from or asked.batch),
         )
         chosen = {tracked[i] for i in hooks.decide(plan)}
+        if plan.for_real:
+            dag.workflow.iocache.deactivate()  # it has seen files that the decision removed, and missed restored ones
         for job in ordered:  # targets such as `all`, which do nothing but ask for files
             if job.is_norun and not chosen.isdisjoint(dag.dependencies[job]):
                 chosen.add(job)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from features.files import replacing
-from workflow.records import FOLDER, Content, Record, contents, read_record
+from workflow.records import FOLDER, Content, Record, await_record, contents
 
 MANIFEST = "manifest.json"
 # What stands in an output folder beside artifacts: notes of runs, what is committed, measurements of speed.
@@ -29,8 +29,7 @@ def write_manifest(out: Path, artifacts: Iterable[str], patience: float = 30.0) 
     entries = {}
     until = time.monotonic() + patience
     for path in sorted(artifacts):
-        while (record := read_record(out, path)) is None and time.monotonic() < until:
-            time.sleep(0.5)
+        record = await_record(out, path, until - time.monotonic())
         if record is None:
             raise ValueError(f"{path}: nothing says what made it (does its script run in `with job(snakemake)`?)")
         entries[path] = record.mapping()

@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
+import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
@@ -19,6 +20,7 @@ from features.files import replacing
 from workflow.keys import hash_of, job_key, output_key, plain
 
 FOLDER = ".artifacts"
+PATIENCE = 10.0  # seconds to wait for the record of an input, which another machine may have written
 
 
 class DamagedError(ValueError):
@@ -126,6 +128,14 @@ def read_record(out: Path, path: str) -> Record | None:
         return None
 
 
+def await_record(out: Path, path: str, patience: float) -> Record | None:
+    """The record of an artifact; waits some seconds for one that a shared file system may show late."""
+    until = time.monotonic() + patience
+    while (record := read_record(out, path)) is None and time.monotonic() < until:
+        time.sleep(0.5)
+    return record
+
+
 def write_record(out: Path, path: str, record: Record) -> None:
     """Keep the record of an artifact."""
     with replacing(record_path(out, path)) as (temporary,):
@@ -155,10 +165,9 @@ def _verified(out: Path, path: str) -> Input:
     found = content(out / path)
     if Path(path).is_absolute():
         return Input(Path(path).name, found.sha256, found.sha256, artifact=False)
-    record = read_record(out, path)
+    record = await_record(out, path, PATIENCE)
     if record is None:
-        remove(out, path)
-        raise DamagedError(f"{path}: nothing says what made it; it was removed, run again and it will be made")
+        raise DamagedError(f"{path}: nothing says what made it; `python -m workflow run` makes it again")
     if record.sha256 != found.sha256:
         remove(out, path)
         raise DamagedError(
