@@ -1,7 +1,9 @@
 # make study   the whole study: tables and figures in results/
 # make smoke   a tiny study through every stage, in about a minute
+# make verify  whether every artifact is what it was when it was made
 # make test    the tests
 # make compare   which results differ from results/reference by more than the seeds explain
+# CACHE=folder names the cache of artifacts (default: in the user's cache folder), CACHE_GIB its size limit
 CONFIG ?= config/config.yaml
 OUT ?= results
 CORES ?= $(shell nproc 2>/dev/null || echo 2)
@@ -12,12 +14,14 @@ PYTHON := $(VENV)/bin/python
 SOURCES := data_collection features model evaluation workflow tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study smoke compare test test-slow lint format bench lock reference clean
+.PHONY: help setup study smoke compare verify cache-info cache-clean test test-slow lint format bench lock reference clean
 
 help:
-	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=$(CORES)]  run a study"
+	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=$(CORES)] [CACHE=folder]  run a study"
 	@echo "make smoke [OUT=$(OUT)/smoke]   a tiny study through every stage"
 	@echo "make compare [OUT=$(OUT)]       which results differ from results/reference by more than the seeds explain"
+	@echo "make verify [OUT=$(OUT)]   hash every artifact again: what is missing, changed or unexplained"
+	@echo "make cache-info | cache-clean [CACHE=folder]   the cache of artifacts that all runs share"
 	@echo "make test | test-slow | lint | format | bench"
 	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
 	@echo "make reference   run the study and keep its tables and figures in results/reference"
@@ -52,6 +56,13 @@ smoke: $(READY)
 # Exits with 1 where something differs, with 2 where there is nothing to compare; make itself then says 2.
 compare: $(READY)
 	@$(PYTHON) -m evaluation compare $(OUT) results/reference
+
+verify: $(READY)
+	@$(PYTHON) -m workflow verify --out $(OUT)
+
+# CACHE and CACHE_GIB reach the program as environment variables, from here and from `make study` alike.
+cache-info cache-clean: $(READY)
+	@$(PYTHON) -m workflow $@
 
 test: $(READY)
 	$(PYTHON) -m pytest -n 2 --dist loadfile -m "not slow" tests

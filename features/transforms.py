@@ -92,8 +92,10 @@ def fit_transforms(percepts: Percepts, settings: FeatureSettings, seed: int, *na
         random = generator(seed, "features", "codebook", *names)
         codebook = fit_codebook(pixels, settings.colors, settings.color_pixels, random)
     scale = fit_action_scale(relative_hand(percepts)[acted], percepts.joint_lower, percepts.joint_upper)
+    # Where a file of weights lies says nothing elsewhere; what it holds does.
+    told = {key: value for key, value in json.loads(settings.canonical()).items() if key != "weights"}
     provenance = {
-        "settings": json.loads(settings.canonical()),
+        "settings": told,
         "weights": weights_provenance(settings),
         "seed": seed,
         "names": names,

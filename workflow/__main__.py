@@ -1,78 +1,97 @@
-"""Run a study: `python -m workflow run --config config/config.yaml --out results`."""
+"""Run a study and look at what it made: `python -m workflow run --config config/config.yaml --out results`."""
 
 from __future__ import annotations
 
 import argparse
-import fcntl
 import os
 import sys
 from pathlib import Path
 
 from workflow.config import ConfigError
 from workflow.plan import load_study
+from workflow.provenance import ROOT
+from workflow.store import Store, default_folder, default_limit
 
-ROOT = Path(__file__).resolve().parent.parent
+WRONG = 2
 
 
 def main() -> int:
-    """Check the config, make sure that nobody else runs in the output folder, and hand over to Snakemake."""
+    """Do what the command line says; its exit status: 0 good, 1 failed, 2 nothing started, 3 folder in use."""
+    arguments = _parser().parse_args()
+    try:
+        return _command(arguments)
+    except (ConfigError, ValueError) as error:
+        sys.stderr.write(f"{error}\n")
+        return WRONG
+
+
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m workflow", description=__doc__)
     commands = parser.add_subparsers(required=True, dest="command")
     run = commands.add_parser("run", help="run what is new of a study")
     check = commands.add_parser("check", help="check a config, and the files that it names, without running it")
+    verify = commands.add_parser("verify", help="hash every artifact of a finished study again")
+    explain = commands.add_parser("explain", help="print what an artifact was made from, as a tree")
+    info = commands.add_parser("cache-info", help="how much the cache holds, and where")
+    clean = commands.add_parser("cache-clean", help="empty the cache, or make it smaller")
     for command in (run, check):
         command.add_argument("--config", type=Path, default=ROOT / "config" / "config.yaml")
-    run.add_argument("--out", type=Path, default=ROOT / "results", help="output folder")
+    for command in (run, verify):
+        command.add_argument("--out", type=Path, default=ROOT / "results", help="output folder")
+    for command in (run, info, clean):
+        command.add_argument("--cache", type=Path, help="folder of shared artifacts (default: $CACHE, or the user's)")
     run.add_argument("--cores", type=int, default=os.cpu_count() or 1)
     run.add_argument("snakemake", nargs="*", help="further arguments for Snakemake, after --")
-    arguments = parser.parse_args()
-    try:
-        study = load_study(arguments.config)
-    except ConfigError as error:
-        sys.stderr.write(f"{error}\n")
-        return 2
-    if arguments.command == "check":
-        fits = sum(1 for name in study.experiments for _ in study.conditions(name))
-        sys.stdout.write(f"{arguments.config}: {len(study.experiments)} experiments, {fits} fits, no problem found\n")
-        return 0
-    return _run(arguments.config, arguments.out, arguments.cores, arguments.snakemake)
+    explain.add_argument("path", type=Path, help="an artifact, for instance results/scores.csv")
+    clean.add_argument("--to", type=float, default=0.0, metavar="GIB", help="what may stay, last used first")
+    return parser
 
 
-def _run(config: Path, out: Path, cores: int, more: list[str]) -> int:  # noqa: RET503 (becomes Snakemake)
-    if cores < 1:
-        sys.stderr.write(f"--cores {cores}: must be at least 1\n")
-        return 2
-    out.mkdir(parents=True, exist_ok=True)
-    if not _hold(out / ".running"):
-        sys.stderr.write(f"{out}: another study is running in this folder; wait for it, or choose another --out\n")
-        return 3
-    # Whatever a killed run was about to write carries a temporary name. Its last jobs may still live: without
-    # their temporary files they fail, rather than write beside the new ones.
-    for part in out.rglob(".*.part"):
-        part.unlink(missing_ok=True)
-    command = [
-        *(sys.executable, "-m", "snakemake"),
-        *("--snakefile", str(ROOT / "Snakefile")),
-        *("--workflow-profile", str(ROOT / "workflow" / "profiles" / "default")),
-        *("--configfile", str(config.resolve())),
-        *("--directory", str(out.resolve())),
-        *("--cores", str(cores)),
-        "--nolock",  # the file held above does it, and lets go when this process dies, however it dies
-        *more,
-    ]
-    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
-    os.execv(sys.executable, command)  # never returns
+def _command(arguments: argparse.Namespace) -> int:
+    match arguments.command:
+        case "run":
+            load_study(arguments.config)  # finds mistakes before anything else starts
+            if arguments.cores < 1:
+                raise ValueError(f"--cores {arguments.cores}: must be at least 1")
+            from workflow.runner import run
+
+            return run(arguments.config, arguments.out, arguments.cores, arguments.snakemake, _store(arguments))
+        case "check":
+            study = load_study(arguments.config)
+            fits = sum(1 for name in study.experiments for _ in study.conditions(name))
+            _print(f"{arguments.config}: {len(study.experiments)} experiments, {fits} fits, no problem found")
+        case "verify":
+            from workflow.manifest import verify
+
+            count, problems = verify(arguments.out)
+            _print(*problems, f"{arguments.out}: {count} artifacts, {len(problems) or 'no'} problems")
+            return 1 if problems else 0
+        case "explain":
+            from workflow.explain import explain, output_folder
+
+            out = output_folder(arguments.path)
+            _print(*explain(out, arguments.path.absolute().relative_to(out).as_posix()))
+        case "cache-info":
+            store = _store(arguments)
+            sizes = [entry.size for entry in store.entries()]
+            _print(f"{store.folder}: {len(sizes)} jobs, {_mib(sum(sizes))} of at most {_mib(store.limit)}")
+        case "cache-clean":
+            store = _store(arguments)
+            count, freed = store.trim(int(arguments.to * 2**30))
+            _print(f"{store.folder}: {count} jobs removed, {_mib(freed)} freed")
+    return 0
 
 
-def _hold(path: Path) -> bool:
-    """Lock a file for as long as this process, or the one that it becomes, lives."""
-    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    os.set_inheritable(descriptor, True)
-    return True
+def _store(arguments: argparse.Namespace) -> Store:
+    return Store((arguments.cache or default_folder()).absolute(), default_limit())
+
+
+def _mib(size: int) -> str:
+    return f"{size / 2**20:,.1f} MiB"
+
+
+def _print(*lines: str) -> None:
+    sys.stdout.writelines(f"{line}\n" for line in lines)
 
 
 if __name__ == "__main__":

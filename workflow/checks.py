@@ -67,6 +67,9 @@ def data_problems(study: Study, name: str) -> Iterator[str]:
             FeatureSettings.from_mapping(experiment.settings.get("feature_extraction", {}))
         except ValueError as error:
             yield from (f"{where}.feature_extraction: {line}" for line in str(error).splitlines())
+        weights = study.weights_file(name)
+        if weights is not None and not weights.is_file():
+            yield f"{where}.feature_extraction.weights: {weights} is not a file (nor seeded, nor imagenet1k)"
     if experiment.source == "simulation":
         try:
             simulation = Simulation.from_mapping(experiment.settings.get("simulation", {}))

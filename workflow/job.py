@@ -1,4 +1,8 @@
-"""What every job does around its one call: its output goes to its log, warnings and failures also to the screen."""
+"""What every job does around its one call.
+
+Its output goes to its log, warnings and failures also to the screen; its inputs are compared with their records, and
+what it made is recorded.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +15,18 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from workflow.keys import by_role
+from workflow.records import record_path, records_of_job, verified_inputs, write_record
+
+OUT = Path()  # Snakemake runs jobs in the output folder
+
 
 @contextmanager
 def job(snakemake: Any) -> Iterator[None]:
-    """Send all that a job prints, also from compiled code, to its log file.
+    """Verify the inputs of a job, record its outputs, and send all that it prints, even compiled code, to its log.
 
     Warnings and the message of a failure appear on the screen as well, the failure's traceback in the log only.
+    An input that is damaged is named and removed.
 
     Args:
         snakemake: what Snakemake gives a script: inputs, outputs, params, wildcards and log.
@@ -39,7 +49,8 @@ def job(snakemake: Any) -> Iterator[None]:
         logging.getLogger().addHandler(to_screen)
         logging.captureWarnings(capture=True)
         try:
-            yield
+            with recorded(snakemake):
+                yield
         except Exception as error:
             traceback.print_exc()
             print(f"{type(error).__name__}: {error}\n(more in {log})", file=screen, flush=True)
@@ -47,3 +58,22 @@ def job(snakemake: Any) -> Iterator[None]:
         finally:
             sys.stdout.flush()
             sys.stderr.flush()
+
+
+@contextmanager
+def recorded(snakemake: Any) -> Iterator[None]:
+    """Verify the inputs of a job, and record its outputs when all are in place.
+
+    Raises:
+        DamagedError: an input is not what its record says.
+    """
+    outputs = by_role(snakemake.output)
+    for path in outputs.values():
+        record_path(OUT, path).unlink(missing_ok=True)  # of what was there before
+    inputs = verified_inputs(OUT, by_role(snakemake.input))
+    yield
+    records = records_of_job(
+        OUT, snakemake.rule, by_role(snakemake.wildcards), by_role(snakemake.params), inputs, outputs
+    )
+    for path, record in records.items():
+        write_record(OUT, path, record)

@@ -150,6 +150,11 @@ class Study:
         """The folder of logs that an experiment names."""
         return (self.folder / str(self.experiments[experiment].settings["logs"])).resolve()
 
+    def weights_file(self, experiment: str) -> Path | None:
+        """The file of the network's weights that an experiment names; None where they are `seeded` or published."""
+        weights = self.experiments[experiment].settings.get("feature_extraction", {}).get("weights", "seeded")
+        return None if weights in ("seeded", "imagenet1k") else (self.folder / weights).resolve()
+
     def figure_condition(self, experiment: str) -> Condition:
         """The condition that an experiment's figure of a fit shows, seed 1 standing for all seeds.
 

@@ -14,15 +14,16 @@ from workflow.provenance import ROOT
 ARTIFACTS = (".mcap", ".parquet", ".npz", ".csv", ".md", ".tex", ".html", ".png")
 
 
-def command(config: Path, out: Path, *more: str) -> list[str]:
-    """The command line that the Makefile uses."""
+def command(config: Path, out: Path, *more: str, cache: Path | None = None) -> list[str]:
+    """The command line that the Makefile uses, with a cache for this output folder alone unless one is named."""
     base = [sys.executable, "-m", "workflow", "run", "--config", str(config), "--out", str(out), "--cores", "2"]
-    return [*base, *(["--", *more] if more else [])]
+    return [*base, *("--cache", str(cache or f"{out}.cache")), *(["--", *more] if more else [])]
 
 
-def run(config: Path, out: Path, *more: str, succeeds: bool = True) -> str:
+def run(config: Path, out: Path, *more: str, succeeds: bool = True, cache: Path | None = None) -> str:
     """Run a study and return what it printed."""
-    done = subprocess.run(command(config, out, *more), cwd=ROOT, capture_output=True, text=True, check=False)
+    line = command(config, out, *more, cache=cache)
+    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
     printed = done.stdout + done.stderr
     assert (done.returncode == 0) is succeeds, printed
     return printed

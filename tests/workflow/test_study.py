@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -54,6 +55,64 @@ def test_the_same_bytes_again_on_another_number_of_cores(finished: Path, tmp_pat
 
 def test_a_finished_study_runs_nothing(finished: Path) -> None:
     assert jobs(run(SMOKE, finished)) == {}
+
+
+def workflow(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    line = [sys.executable, "-m", "workflow", *map(str, arguments)]
+    return subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
+
+
+def test_another_folder_is_filled_from_the_cache(finished: Path, tmp_path: Path) -> None:
+    printed = run(SMOKE, tmp_path / "out", cache=Path(f"{finished}.cache"))
+    assert jobs(printed) == {}
+    assert hashes(tmp_path / "out") == hashes(finished)
+    assert (tmp_path / "out" / "manifest.json").read_bytes() == (finished / "manifest.json").read_bytes()
+
+
+def test_damage_is_verified_and_mended(finished: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    subprocess.run(["cp", "-a", str(finished), str(out)], check=True)
+    assert workflow("verify", "--out", out).returncode == 0
+    fit = next((out / "fits").rglob("*.npz"))
+    name = fit.relative_to(out).as_posix()
+    fit.write_bytes(fit.read_bytes()[:-1])
+    done = workflow("verify", "--out", out)
+    assert done.returncode == 1
+    assert f"changed: {name}" in done.stdout
+    printed = run(SMOKE, out)
+    assert f"damaged: {name}, will be made again" in printed
+    assert jobs(printed) == {"fit": 1}
+    assert workflow("verify", "--out", out).returncode == 0
+    assert hashes(out) == hashes(finished)
+
+
+def test_lineage_of_a_table(finished: Path) -> None:
+    done = workflow("explain", finished / "tables" / "simulator_csl.md")
+    assert done.returncode == 0
+    for line in (
+        "scores.csv",
+        "rule fit",
+        "rule features",
+        "rule perceive",
+        "trial_0001.mcap",
+        "rule collect_",
+        "seed: 1",
+    ):
+        assert line in done.stdout
+
+
+def test_an_interrupt_stops_the_run_and_its_jobs(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with subprocess.Popen(
+        command(SMOKE, out), cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    ) as process:
+        while not (out / "joblogs" / "collect").exists():
+            time.sleep(0.1)
+        os.killpg(process.pid, signal.SIGINT)
+        assert process.wait(60) == 1
+    with pytest.raises(ProcessLookupError):  # nobody of the group lives on
+        os.killpg(process.pid, 0)
+    assert not (out / "manifest.json").exists()
 
 
 def test_only_new_conditions_run(finished: Path, tmp_path: Path) -> None:

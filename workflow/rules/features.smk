@@ -16,8 +16,21 @@ def logs_of_block(wildcards):
     return [log_path(wildcards.experiment, wildcards.set, trial) for trial in range(first, last + 1)]
 
 
+def weights_file(wildcards):
+    """The file of the network's weights as an input, where a config names one."""
+    weights = study.weights_file(wildcards.experiment)
+    return {"weights": str(weights)} if weights else {}
+
+
+def extraction(wildcards):
+    """The settings of feature extraction, in which a file of weights is called `file`: its content counts."""
+    replaced = {"weights": "file"} if weights_file(wildcards) else {}
+    return settings(wildcards).get("feature_extraction", {}) | replaced
+
+
 rule perceive:
     input:
+        unpack(weights_file),
         calibration=calibration_path,
         logs=logs_of_block,
     output:
@@ -27,7 +40,7 @@ rule perceive:
     wildcard_constraints:
         experiment=sources("simulation", "logs"),
     params:
-        extraction=lambda wildcards: settings(wildcards).get("feature_extraction", {}),
+        extraction=extraction,
         code=tracked("perceive.py"),
     script:
         "../scripts/perceive.py"
@@ -35,6 +48,7 @@ rule perceive:
 
 rule features:
     input:
+        unpack(weights_file),
         percepts=lambda wildcards: percept_paths(wildcards.experiment, "train", wildcards.D),
     output:
         trials="features/{experiment}/D{D}/train_trials.parquet",
@@ -46,7 +60,7 @@ rule features:
         experiment=sources("simulation", "logs"),
     params:
         seed=lambda wildcards: settings(wildcards)["seed"],
-        extraction=lambda wildcards: settings(wildcards).get("feature_extraction", {}),
+        extraction=extraction,
         code=tracked("features.py"),
     script:
         "../scripts/features.py"

@@ -9,10 +9,11 @@ from features.transforms import apply, fit_transforms, save_transforms, table_me
 from workflow.job import job
 
 with job(snakemake):
+    weights = {"weights": snakemake.input.weights} if snakemake.input.get("weights") else {}
     D = int(snakemake.wildcards.D)
     names = ("features", snakemake.wildcards.experiment, D)
     percepts = first(join([load_percepts(Path(path)) for path in snakemake.input.percepts]), D)
-    extraction = FeatureSettings.from_mapping(snakemake.params.extraction)
+    extraction = FeatureSettings.from_mapping(snakemake.params.extraction | weights)
     transforms = fit_transforms(percepts, extraction, snakemake.params.seed, *names)
     save_transforms(Path(snakemake.output.transforms), transforms)
     write_table(

@@ -9,9 +9,10 @@ from features.settings import FeatureSettings
 from workflow.job import job
 
 with job(snakemake):
+    weights = {"weights": snakemake.input.weights} if snakemake.input.get("weights") else {}
     percepts = perceive(
         (read_log(Path(path)) for path in snakemake.input.logs),
         read_log(Path(snakemake.input.calibration)),
-        FeatureSettings.from_mapping(snakemake.params.extraction),
+        FeatureSettings.from_mapping(snakemake.params.extraction | weights),
     )
     save_percepts(Path(snakemake.output[0]), percepts)
