@@ -27,5 +27,6 @@ rule all:
     input:
         "scores.csv",
         expand("tables/{table}.{form}", table=TABLES, form=TABLE_FORMS),
+        expand("tables/{experiment}_uncertain.{form}", experiment=INSTRUCTED, form=TABLE_FORMS),
         expand("figures/{figure}.png", figure=figures()),
         [f"diagnostics/{name}_D{D}.html" for name in study.experiments for D in study.experiments[name].settings["D"]],
