@@ -169,7 +169,7 @@ def render_uncertain(answered: pd.DataFrame, title: str, paths: Mapping[str, Pat
 
 def _text_forms(shown: pd.DataFrame, title: str, note: str) -> dict[str, str]:
     return {
-        "md": f"**{title}**\n\n{shown.to_markdown(index=False)}\n\n{note}\n",
+        "md": f"**{title}**\n\n{shown.to_markdown(index=False, disable_numparse=True)}\n\n{note}\n",
         "tex": _latex(shown, title, note),
         "html": _HTML.format(title=title, table=shown.to_html(index=False, border=0), note=note),
     }

@@ -34,6 +34,9 @@ def test_every_stage_left_its_artifacts(finished: Path) -> None:
     assert len(fits) == 2 * 2 * 2 + 2
     assert {f"tables/simulator_csl.{form}" for form in ("csv", "md", "tex", "html")} <= set(found)
     assert {"figures/simulator_words.png", "figures/simulator_positions.png", "scores.csv"} <= set(found)
+    assert {f"tables/simulator_uncertain.{form}" for form in ("csv", "md", "tex", "html")} <= set(found)
+    assert {f"figures/simulator_{name}.png" for name in ("uncertain", "instructions")} <= set(found)
+    assert "generation/simulator/default/proposed/blocked/D6/ROW0/seed1/scores.csv" in found
 
 
 def test_no_artifact_names_this_machine(finished: Path) -> None:
@@ -68,6 +71,7 @@ def test_only_new_conditions_run(finished: Path, tmp_path: Path) -> None:
     assert ran.pop("fit") == 2 * 3 + 2 * 2 + 1
     assert ran.pop("generate") == 2 * 1  # 2 methods × the new seed at ROW 0
     sums = ("evaluate_learning", "describe", "evaluate_generation", "diagnose", "scores", "tables", "figure_of_fit")
+    sums += ("uncertain", "present_uncertain", "figure_of_instructions")
     assert ran == dict.fromkeys((*sums, "all"), 1)
     after = hashes(out)
     kept = [name for name in before if name.split("/")[0] in ("mcap", "percepts", "features", "fits")]
