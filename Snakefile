@@ -28,5 +28,6 @@ rule all:
         "scores.csv",
         "claims.csv",
         expand("tables/{file}", file=files_of_tables(TABLES)),
+        expand("tables/{experiment}_uncertain.{form}", experiment=INSTRUCTED, form=TABLE_FORMS),
         expand("figures/{figure}.png", figure=figures()),
         [f"diagnostics/{name}_D{D}.html" for name in study.experiments for D in study.experiments[name].settings["D"]],

@@ -92,6 +92,24 @@ def write_answers(table: FeatureTable, answered: Sequence[Answer], judged: Seque
     write_csv(pd.DataFrame(rows), path)
 
 
+def write_distributions(table: FeatureTable, answered: Sequence[Answer], path: Path) -> None:
+    """Write the whole distribution of each answer: a row for each instruction, object and action category."""
+    rows = [
+        {
+            "trial": int(table.trial[d]),
+            "instruction": " ".join(table.words[d]),
+            "instructed": int(table.attended_object[d]),
+            "object": m,
+            "category": k,
+            "log_score": answer.log_scores[m, k],
+            "probability": answer.probabilities[m, k],
+        }
+        for d, answer in enumerate(answered)
+        for m, k in np.ndindex(answer.log_scores.shape)
+    ]
+    write_csv(pd.DataFrame(rows), path)
+
+
 def _object_right(answer: Answer, instructed: int) -> float | None:
     """Whether the instructed object was chosen, in expectation over ties; None where it is not known."""
     return None if instructed < 0 else float(np.mean([m == instructed for m, _ in answer.choices()]))

@@ -75,3 +75,26 @@ def test_fewer_trials_are_the_first(tmp_path: Path) -> None:
     run(config, out)
     trials = pd.read_parquet(out / "features/own/D5/train_trials.parquet")
     assert trials["trial"].tolist() == [1, 2, 3, 4, 5]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("truth", [True, False])
+def test_own_instructions_are_answered(tmp_path: Path, truth: bool) -> None:
+    """Also those of missing, unknown and contradictory words, and where nobody knows which object is meant."""
+    trials, objects = own_rows(trials=6, truth=truth)
+    trials[0]["words"], trials[1]["words"], trials[2]["words"] = [], ["red"], ["red", "blue", "cup", "cup", "left"]
+    if not truth:
+        trials = [row | {"attended_object": None} for row in trials]
+    write_rows(trials, TRIALS_COLUMNS, tmp_path / "asked_trials.parquet")
+    write_rows(objects, OBJECTS_COLUMNS, tmp_path / "asked_objects.parquet")
+    features = {"trials": "trials.parquet", "objects": "objects.parquet"}
+    asked = {"trials": "asked_trials.parquet", "objects": "asked_objects.parquet"}
+    config, out = write_own_study(tmp_path, features=features | {"generation": asked}, **QUICK), tmp_path / "out"
+    run(config, out)
+    answered = pd.read_csv(out / "uncertain/own_D20.csv")
+    assert answered["fitting"].notna().all() == truth
+    assert answered["entropy"].notna().all()
+    assert "contradicts" in (out / "tables/own_uncertain.md").read_text()
+    for figure in ("uncertain", "instructions"):
+        assert (out / f"figures/own_{figure}.png").read_bytes().startswith(b"\x89PNG")
+        assert (out / f"figures/own_{figure}.pdf").read_bytes().startswith(b"%PDF")

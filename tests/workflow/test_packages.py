@@ -37,7 +37,7 @@ def test_no_package_imports_a_later_stage(package: str) -> None:
             assert roots - {package} <= ALLOWED[package], path
 
 
-@pytest.mark.parametrize(("library", "homes"), [("pybullet", 2), ("matplotlib", 3), ("torch", 1)])
+@pytest.mark.parametrize(("library", "homes"), [("pybullet", 2), ("matplotlib", 4), ("torch", 1)])
 def test_heavy_libraries_have_few_homes(library: str, homes: int) -> None:
     users = [
         path

@@ -37,6 +37,9 @@ def test_every_stage_left_its_artifacts(finished: Path) -> None:
     assert {"claims.csv", "claims_comparisons.csv", "claims.html"} <= set(found)
     assert "tables/simulator_csl_differences.csv" in found
     assert {"figures/simulator_words.png", "figures/simulator_positions.png", "scores.csv"} <= set(found)
+    assert {f"tables/simulator_uncertain.{form}" for form in ("csv", "md", "tex", "html")} <= set(found)
+    assert {f"figures/simulator_{name}.png" for name in ("uncertain", "instructions")} <= set(found)
+    assert "generation/simulator/default/proposed/blocked/D6/ROW0/seed1/scores.csv" in found
 
 
 def test_no_artifact_names_this_machine(finished: Path) -> None:
@@ -129,7 +132,8 @@ def test_only_new_conditions_run(finished: Path, tmp_path: Path) -> None:
     assert ran.pop("fit") == 2 * 3 + 2 * 2 + 1
     assert ran.pop("generate") == 2 * 1  # 2 methods × the new seed at ROW 0
     sums = ("evaluate_learning", "describe", "evaluate_generation", "diagnose", "scores", "tables", "figure_of_fit")
-    assert ran == dict.fromkeys((*sums, "claims", "all"), 1)
+    sums += ("claims", "uncertain", "present_uncertain", "figure_of_instructions")
+    assert ran == dict.fromkeys((*sums, "all"), 1)
     after = hashes(out)
     kept = [name for name in before if name.split("/")[0] in ("mcap", "percepts", "features", "fits")]
     assert {name: after[name] for name in kept} == {name: before[name] for name in kept}

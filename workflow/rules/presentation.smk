@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from evaluation.catalogue import FIT_FIGURES, files_of_tables, tables_of
+from evaluation.catalogue import FIT_FIGURES, TABLE_FORMS, files_of_tables, tables_of
 
 TABLES = tables_of(
     {
@@ -13,6 +13,21 @@ TABLES = tables_of(
     }
     | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings["D"]}
 )
+
+# The experiments with instructions to answer.
+INSTRUCTED = [name for name in study.experiments if study.task_conditions(name, "generation")]
+
+
+def instructed_fits(wildcards):
+    """The fits, one a seed, that figures of action generation show: most trials, fewest words omitted, first method."""
+    tested = study.task_conditions(wildcards.experiment, "generation")
+    first = min(tested, key=lambda condition: (-condition.D, condition.ROW))
+    return [condition for condition in tested if replace(condition, seed=first.seed) == first]
+
+
+def instructed_tables(wildcards):
+    """The feature tables of the instructions that those fits answer."""
+    return table_files("generation")(instructed_fits(wildcards)[0])
 
 
 def largest_D(wildcards):
@@ -69,6 +84,8 @@ def figures():
             yield f"{name}_features"
         if experiment.data == name and experiment.source == "simulation":
             yield from (f"{name}_trials", f"{name}_objects")
+        if name in INSTRUCTED:
+            yield from (f"{name}_instructions", f"{name}_uncertain")
 
 
 rule figure_of_features:
@@ -109,3 +126,38 @@ rule figure_of_fit:
         code=tracked("figure_of_fit.py"),
     script:
         "../scripts/figure_of_fit.py"
+
+
+rule figure_of_instructions:
+    input:
+        unpack(instructed_tables),
+        fits=lambda wildcards: [condition.path for condition in instructed_fits(wildcards)],
+    output:
+        "figures/{experiment}_instructions.png",
+        "figures/{experiment}_instructions.pdf",
+    log:
+        "joblogs/figures/{experiment}_instructions.log",
+    params:
+        condition=lambda wildcards: vars(instructed_fits(wildcards)[0]),
+        code=tracked("figure_of_instructions.py"),
+    script:
+        "../scripts/figure_of_instructions.py"
+
+
+rule present_uncertain:
+    input:
+        lambda wildcards: [
+            f"uncertain/{wildcards.experiment}_D{D}.csv"
+            for D in settings(wildcards)["D"]
+            if D in settings(wildcards)["generation"]["D"]
+        ],
+    output:
+        **{form: f"tables/{{experiment}}_uncertain.{form}" for form in TABLE_FORMS},
+        **{form: f"figures/{{experiment}}_uncertain.{form}" for form in ("png", "pdf")},
+    log:
+        "joblogs/figures/{experiment}_uncertain.log",
+    params:
+        condition=lambda wildcards: vars(instructed_fits(wildcards)[0]),
+        code=tracked("present_uncertain.py"),
+    script:
+        "../scripts/present_uncertain.py"

@@ -44,6 +44,7 @@ rule generate:
         fit=FIT_PATH,
     output:
         answers=f"{GENERATION_PATH}/answers.csv",
+        scores=f"{GENERATION_PATH}/scores.csv",
         logs=directory(f"{GENERATION_PATH}/mcap"),
     log:
         "joblogs/generate/{experiment}_{variant}_{method}_{inference}_D{D}_ROW{ROW}_seed{seed}.log",
@@ -73,3 +74,19 @@ rule evaluate_generation:
         code=tracked("evaluate_generation.py"),
     script:
         "../scripts/evaluate_generation.py"
+
+
+rule uncertain:
+    input:
+        unpack(table_files("generation")),
+        fits=lambda wildcards: [condition.path for condition in tested(wildcards, "generation")],
+    output:
+        "uncertain/{experiment}_D{D}.csv",
+    log:
+        "joblogs/uncertain/{experiment}_D{D}.log",
+    params:
+        conditions=lambda wildcards: columns(tested(wildcards, "generation")),
+        words=lambda wildcards: study.experiments[wildcards.experiment].words,
+        code=tracked("uncertain.py"),
+    script:
+        "../scripts/uncertain.py"

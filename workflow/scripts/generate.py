@@ -7,7 +7,7 @@ from data_collection.mcap_log import write_log
 from data_collection.seeding import generator
 from data_collection.settings import Simulation
 from data_collection.trial import truth
-from evaluation.generation import answers, commands, write_answers
+from evaluation.generation import answers, commands, write_answers, write_distributions
 from features.percept_data import join, load_percepts
 from features.table import read_table
 from features.transforms import load_transforms
@@ -45,3 +45,4 @@ with job(snakemake):
             happened = truth(log)
             judged[i] = happened.action_word if happened else None
     write_answers(table, answered, judged, Path(snakemake.output.answers))
+    write_distributions(table, answered, Path(snakemake.output.scores))

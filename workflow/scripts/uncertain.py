@@ -1,0 +1,19 @@
+"""Let each fit of one experiment and D answer uncertain instructions, made from those of the test set."""
+
+from pathlib import Path
+
+from evaluation.uncertain import instructions
+from evaluation.uncertain_answers import answer_uncertain, write_uncertain
+from features.table import read_table
+from model import load
+from workflow.job import job
+
+with job(snakemake):
+    table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=False)
+    asked = instructions(table, snakemake.params.words)
+    rows = [
+        row
+        for path, condition in zip(snakemake.input.fits, snakemake.params.conditions, strict=True)
+        for row in answer_uncertain(condition, load(Path(path)), asked)
+    ]
+    write_uncertain(rows, Path(snakemake.output[0]))
