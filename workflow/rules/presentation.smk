@@ -3,6 +3,8 @@
 from dataclasses import replace
 
 from evaluation.catalogue import FIT_FIGURES, TABLE_FORMS, tables_of
+from workflow.versions import pinned_packages, python_version, study_hash
+from workflow.settings import portable
 
 TABLES = tables_of(
     {
@@ -87,3 +89,49 @@ rule figure_of_fit:
         code=tracked("figure_of_fit.py"),
     script:
         "../scripts/figure_of_fit.py"
+
+
+def config_name():
+    """The config file as `make` is told of it; of one that is elsewhere the name only."""
+    path, root = CONFIG_FILE.resolve(), Path(workflow.basedir).resolve()
+    return path.relative_to(root).as_posix() if path.is_relative_to(root) else path.name
+
+
+# Each input is flagged for Snakemake's own report as well, in one place for all of them.
+rule report:
+    input:
+        scores=report("scores.csv", caption="../report/scores.rst", category="Scores"),
+        claims=[],  # the claims, and the comparisons behind them
+        tables=[
+            report(
+                f"tables/{name}.html",
+                caption="../report/table.rst",
+                category="Tables",
+                labels={"table": table.title},
+            )
+            for name, table in TABLES.items()
+        ],
+        figures=[
+            report(
+                f"figures/{name}.png", caption="../report/figure.rst", category="Figures", labels={"figure": name}
+            )
+            for name in figures()
+        ],
+        diagnostics=[
+            f"diagnostics/{name}_D{D}.csv"
+            for name in study.experiments
+            for D in study.experiments[name].settings["D"]
+        ],
+    output:
+        report("report.html", caption="../report/report.rst", category="Report"),
+    log:
+        "joblogs/report.log",
+    params:
+        config=config_name(),
+        experiments={name: portable(experiment) for name, experiment in study.experiments.items()},
+        python=python_version(),
+        packages=pinned_packages(),
+        hashes={"code": study_hash(), "environment.lock": lock_hash()},
+        code=tracked("report.py"),
+    script:
+        "../scripts/report.py"
