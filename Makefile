@@ -11,11 +11,12 @@ PYTHON := $(VENV)/bin/python
 SOURCES := data_collection features model evaluation workflow tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study smoke test test-slow lint format bench lock reference clean
+.PHONY: help setup study smoke snakemake-report test test-slow lint format bench lock reference clean
 
 help:
 	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=$(CORES)]  run a study"
 	@echo "make smoke [OUT=$(OUT)/smoke]   a tiny study through every stage"
+	@echo "make snakemake-report [CONFIG=…] [OUT=…]   the study, and Snakemake's own report of it (workflow, run times, results)"
 	@echo "make test | test-slow | lint | format | bench"
 	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
 	@echo "make reference   run the study and keep its tables and figures in results/reference"
@@ -46,6 +47,9 @@ study: $(READY)
 
 smoke: $(READY)
 	@$(PYTHON) -m workflow run --config config/smoke.yaml --out $(if $(filter results,$(OUT)),results/smoke,$(OUT)) --cores $(CORES)
+
+snakemake-report: study
+	@$(PYTHON) -m workflow run --config $(CONFIG) --out $(OUT) --cores $(CORES) -- --report snakemake_report.html
 
 test: $(READY)
 	$(PYTHON) -m pytest -n 2 --dist loadfile -m "not slow" tests

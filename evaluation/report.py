@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from evaluation.catalogue import FIGURES, Figure
+from evaluation.captions import caption, titled
 from evaluation.page import Part, Section, image, table, wide
 from evaluation.tables import ROW_KEYS
 from model import METHODS
@@ -154,25 +154,13 @@ def figures(paths: Sequence[Path], experiments: Collection[str]) -> Section:
 
 
 def _figure_part(path: Path, experiments: Collection[str]) -> Part:
-    experiment, name = _experiment_and_figure(path.stem, experiments)
-    figure = FIGURES.get(name, Figure(None, ""))
-    words = name.replace("_", " ")
-    title = ", ".join(filter(None, (words[:1].upper() + words[1:], experiment)))
-    plural = "s" if figure.number and " and " in figure.number else ""
-    number = f"In the paper: Figure{plural} {figure.number}." if figure.number else ""
+    title, figure = titled(path.stem, experiments)
     where, content = f"{path.parent.name}/{path.name}", path.read_bytes()
     fits = len(content) <= LARGEST_IMAGE.get(path.suffix, len(content))
     shown = image(content, path.suffix, f"{title}. {figure.caption}".strip()) if fits else escape(where)
-    caption = escape(f"{figure.caption} {number}".strip())
-    body = f'<figure><a href="{escape(where)}">{shown}</a><figcaption>{caption}</figcaption></figure>'
+    text = escape(caption(figure))
+    body = f'<figure><a href="{escape(where)}">{shown}</a><figcaption>{text}</figcaption></figure>'
     return Part(path.stem if path.suffix == ".png" else path.name, title, body)
-
-
-def _experiment_and_figure(stem: str, experiments: Collection[str]) -> tuple[str, str]:
-    """The experiment and the figure that a file's name joins; an experiment's name may hold `_` as well."""
-    pairs = [(name, stem.removeprefix(f"{name}_")) for name in experiments if stem.startswith(f"{name}_")]
-    known = [pair for pair in pairs if pair[1] in FIGURES]
-    return (known or sorted(pairs, reverse=True) or [("", stem)])[0]
 
 
 def diagnostics(chains: Mapping[str, pd.DataFrame]) -> Section:

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from evaluation.captions import caption, titled
 from evaluation.catalogue import FIT_FIGURES, TABLE_FORMS, tables_of
 from workflow.versions import pinned_packages, python_version, study_hash
 from workflow.settings import portable
@@ -95,6 +96,12 @@ def config_name():
     """The config file as `make` is told of it; of one that is elsewhere the name only."""
     path, root = CONFIG_FILE.resolve(), Path(workflow.basedir).resolve()
     return path.relative_to(root).as_posix() if path.is_relative_to(root) else path.name
+
+
+def figure_labels(name):
+    """How Snakemake's own report lists a figure."""
+    title, figure = titled(name, study.experiments)
+    return {"figure": title, "shows": caption(figure)}
 
 
 # Each input is flagged for Snakemake's own report as well, in one place for all of them.
