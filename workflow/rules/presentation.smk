@@ -120,7 +120,7 @@ rule report:
         ],
         figures=[
             report(
-                f"figures/{name}.png", caption="../report/figure.rst", category="Figures", labels={"figure": name}
+                f"figures/{name}.png", caption="../report/figure.rst", category="Figures", labels=figure_labels(name)
             )
             for name in figures()
         ],
