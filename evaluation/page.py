@@ -130,7 +130,7 @@ html { scroll-padding-top: 1rem; }
 body { margin: 0; color: var(--ink); background: #fff; font: 16px/1.55 system-ui, "Segoe UI", Roboto, sans-serif; }
 a { color: var(--link); text-decoration: none; }
 a:hover { text-decoration: underline; }
-main { max-width: 64rem; margin: 0 auto; padding: 2rem 1.5rem 4rem; }
+main { width: 100%; max-width: 64rem; margin: 0 auto; padding: 2rem 1.5rem 4rem; }
 h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 1.5rem; }
 h2 { font-size: 1.4rem; margin: 3rem 0 .8rem; padding-bottom: .3rem; border-bottom: 2px solid var(--line); }
 h3 { font-size: 1.08rem; margin: 2.2rem 0 .6rem; }
@@ -146,7 +146,7 @@ nav ol ol a { color: var(--soft); }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .32rem .9rem .32rem .4rem; text-align: left; vertical-align: top;
   border-bottom: 1px solid var(--line); }
-.long { min-width: 15rem; }
+.long { min-width: 13rem; }
 thead th { border-top: 2px solid var(--ink); border-bottom: 1px solid var(--ink); vertical-align: bottom; }
 tbody tr:last-child td { border-bottom: 2px solid var(--ink); }
 tbody tr:hover { background: var(--tint); }

@@ -118,14 +118,16 @@ def test_claims_lead_to_what_they_rest_on(claimed: pd.DataFrame) -> None:
         *("#table_1b.cell", "descriptions/own_D5.csv", "#own_words"),
     ]
     assert re.findall(r'id="(claim_.*?)"', body) == ["claim_1", "claim_2", "claim_3"]
-    assert "Of 3: 1 holds, 1 does not hold, 1 not decidable." in body
+    assert "holds: 1, does not hold: 1, not decidable: 1." in body
     assert "B &amp; C are" in body
 
 
 def test_claims_of_other_columns_are_shown(claimed: pd.DataFrame) -> None:
-    body = report.claims(claimed[["text"]].assign(paper="0.02"), None, ()).body
-    assert "<th>paper</th>" in body
+    body = report.claims(claimed[["text"]].assign(their_value="0.02"), None, ()).body
     assert body.count("0.02") == 3
+    assert re.findall("<th>(.*?)</th>", body) == ["text", "their value"]
+    body = report.claims(claimed.assign(paper="")[["paper", "rests_on", "verdict", "claim"]], None, ()).body
+    assert re.findall("<th>(.*?)</th>", body) == ["claim", "verdict", "paper", "rests on"]
 
 
 def test_every_table_has_its_anchor(tables: list[Path]) -> None:
