@@ -85,7 +85,7 @@ def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame | None, anchors: Col
     text = "<p>What the paper claims, and what this study finds. A claim that does not hold here is a finding.</p>"
     if "verdict" in claimed:
         counts = claimed["verdict"].value_counts(sort=False)
-        text += f"<p>{escape(', '.join(f'{verdict}: {n}' for verdict, n in counts.items()))}.</p>"
+        text += f"<p>Verdicts: {escape(', '.join(f'{verdict} {n}' for verdict, n in counts.items()))}.</p>"
     # The verdict must not be where only scrolling leads.
     first = [column for column in ("claim", "text", "verdict") if column in claimed]
     text += table(claimed[[*first, *claimed.columns.drop(first)]], cell_of_claim)

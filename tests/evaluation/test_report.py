@@ -118,7 +118,7 @@ def test_claims_lead_to_what_they_rest_on(claimed: pd.DataFrame) -> None:
         *("#table_1b.cell", "descriptions/own_D5.csv", "#own_words"),
     ]
     assert re.findall(r'id="(claim_.*?)"', body) == ["claim_1", "claim_2", "claim_3"]
-    assert "holds: 1, does not hold: 1, not decidable: 1." in body
+    assert "Verdicts: holds 1, does not hold 1, not decidable 1." in body
     assert "B &amp; C are" in body
 
 

@@ -98,6 +98,11 @@ def config_name():
     return path.relative_to(root).as_posix() if path.is_relative_to(root) else path.name
 
 
+def report_tables():
+    """The tables of the report by file name, with their titles."""
+    return {name: table.title for name, table in TABLES.items()}
+
+
 def figure_labels(name):
     """How Snakemake's own report lists a figure."""
     title, figure = titled(name, study.experiments)
@@ -114,9 +119,9 @@ rule report:
                 f"tables/{name}.html",
                 caption="../report/table.rst",
                 category="Tables",
-                labels={"table": table.title},
+                labels={"table": title},
             )
-            for name, table in TABLES.items()
+            for name, title in report_tables().items()
         ],
         figures=[
             report(
