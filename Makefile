@@ -14,7 +14,7 @@ PYTHON := $(VENV)/bin/python
 SOURCES := data_collection features model evaluation workflow tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study smoke compare verify cache-info cache-clean test test-slow lint format bench lock reference clean
+.PHONY: help setup study smoke snakemake-report compare verify cache-info cache-clean test test-slow lint format bench lock reference clean
 
 help:
 	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=$(CORES)] [CACHE=folder]  run a study"
@@ -22,6 +22,7 @@ help:
 	@echo "make compare [OUT=$(OUT)]       which results differ from results/reference by more than the seeds explain"
 	@echo "make verify [OUT=$(OUT)]   hash every artifact again: what is missing, changed or unexplained"
 	@echo "make cache-info | cache-clean [CACHE=folder]   the cache of artifacts that all runs share"
+	@echo "make snakemake-report [CONFIG=…] [OUT=…]   the study, and Snakemake's own report of it (workflow, run times, results)"
 	@echo "make test | test-slow | lint | format | bench"
 	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
 	@echo "make reference   run the study and keep its tables and figures in results/reference"
@@ -63,6 +64,9 @@ verify: $(READY)
 # CACHE and CACHE_GIB reach the program as environment variables, from here and from `make study` alike.
 cache-info cache-clean: $(READY)
 	@$(PYTHON) -m workflow $@
+
+snakemake-report: study
+	@$(PYTHON) -m workflow run --config $(CONFIG) --out $(OUT) --cores $(CORES) -- --report snakemake_report.html
 
 test: $(READY)
 	$(PYTHON) -m pytest -n 2 --dist loadfile -m "not slow" tests

@@ -13,6 +13,9 @@ if not config:
 workdir: "results"
 
 
+report: "workflow/report/study.rst"
+
+
 include: "workflow/rules/common.smk"
 include: "workflow/rules/data_collection.smk"
 include: "workflow/rules/features.smk"
@@ -25,6 +28,7 @@ include: "workflow/rules/presentation.smk"
 rule all:
     default_target: True
     input:
+        "report.html",
         "scores.csv",
         "claims.csv",
         expand("tables/{file}", file=files_of_tables(TABLES)),

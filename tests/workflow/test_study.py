@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from tests.browser import look, needs_chromium
 from tests.workflow.runs import command, hashes, jobs, run
 from workflow.provenance import ROOT
 
@@ -40,6 +42,29 @@ def test_every_stage_left_its_artifacts(finished: Path) -> None:
     assert {f"tables/simulator_uncertain.{form}" for form in ("csv", "md", "tex", "html")} <= set(found)
     assert {f"figures/simulator_{name}.png" for name in ("uncertain", "instructions")} <= set(found)
     assert "generation/simulator/default/proposed/blocked/D6/ROW0/seed1/scores.csv" in found
+
+
+@needs_chromium
+def test_the_report_shows_every_table_and_figure(finished: Path, tmp_path: Path) -> None:
+    seen = look(finished / "report.html", tmp_path)
+    tables, figures = finished.glob("tables/*.html"), list(finished.glob("figures/*.png"))
+    assert {path.stem for path in (*tables, *figures)} <= set(seen.anchors)
+    assert (seen.images, seen.broken_images, seen.silent_images) == (len(figures), [], 0)
+    assert (seen.lost_links, seen.fetched) == ([], [])
+
+
+def test_links_of_the_report_lead_to_files(finished: Path) -> None:
+    links = set(re.findall(r"href=[\"']([^#\"'][^\"']*)", (finished / "report.html").read_text()))
+    assert [link for link in links if "://" not in link and not (finished / link).is_file()] == []
+    assert {"scores.csv", "tables/simulator_csl.csv", "diagnostics/simulator_D6.html"} <= links
+
+
+def test_snakemake_reports_it_as_well(finished: Path, tmp_path: Path) -> None:
+    run(SMOKE, finished, "--report", str(tmp_path / "snakemake.html"))
+    page = (tmp_path / "snakemake.html").read_text()
+    assert not re.findall(r"<(?:script|link|img)[^>]* (?:src|href)=.https?:", page)
+    for shown in ("Learning, simulator", "Words, simulator", "report.html", "scores.csv"):
+        assert f'"{shown}"' in page
 
 
 def test_no_artifact_names_this_machine(finished: Path) -> None:
@@ -132,7 +157,7 @@ def test_only_new_conditions_run(finished: Path, tmp_path: Path) -> None:
     assert ran.pop("fit") == 2 * 3 + 2 * 2 + 1
     assert ran.pop("generate") == 2 * 1  # 2 methods × the new seed at ROW 0
     sums = ("evaluate_learning", "describe", "evaluate_generation", "diagnose", "scores", "tables", "figure_of_fit")
-    sums += ("claims", "uncertain", "present_uncertain", "figure_of_instructions")
+    sums += ("claims", "uncertain", "present_uncertain", "figure_of_instructions", "report")
     assert ran == dict.fromkeys((*sums, "all"), 1)
     after = hashes(out)
     kept = [name for name in before if name.split("/")[0] in ("mcap", "percepts", "features", "fits")]

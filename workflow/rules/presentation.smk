@@ -2,7 +2,10 @@
 
 from dataclasses import replace
 
+from evaluation.captions import caption, titled
 from evaluation.catalogue import FIT_FIGURES, TABLE_FORMS, files_of_tables, tables_of
+from workflow.versions import pinned_packages, python_version, study_hash
+from workflow.settings import portable
 
 TABLES = tables_of(
     {
@@ -161,3 +164,62 @@ rule present_uncertain:
         code=tracked("present_uncertain.py"),
     script:
         "../scripts/present_uncertain.py"
+def config_name():
+    """The config file as `make` is told of it; of one that is elsewhere the name only."""
+    path, root = CONFIG_FILE.resolve(), Path(workflow.basedir).resolve()
+    return path.relative_to(root).as_posix() if path.is_relative_to(root) else path.name
+
+
+def report_tables():
+    """The tables of the report by file name, with their titles."""
+    uncertain = {f"{name}_uncertain": f"Uncertain instructions, {name}" for name in INSTRUCTED}
+    return {name: table.title for name, table in TABLES.items()} | uncertain
+
+
+def figure_labels(name):
+    """How Snakemake's own report lists a figure."""
+    title, figure = titled(name, study.experiments)
+    return {"figure": title, "shows": caption(figure)}
+
+
+# Each input is flagged for Snakemake's own report as well, in one place for all of them.
+rule report:
+    input:
+        scores=report("scores.csv", caption="../report/scores.rst", category="Scores"),
+        claims=[
+            report("claims.csv", caption="../report/claims.rst", category="Claims"),
+            "claims_comparisons.csv",
+        ],
+        tables=[
+            report(
+                f"tables/{name}.html",
+                caption="../report/table.rst",
+                category="Tables",
+                labels={"table": title},
+            )
+            for name, title in report_tables().items()
+        ],
+        figures=[
+            report(
+                f"figures/{name}.png", caption="../report/figure.rst", category="Figures", labels=figure_labels(name)
+            )
+            for name in figures()
+        ],
+        diagnostics=[
+            f"diagnostics/{name}_D{D}.csv"
+            for name in study.experiments
+            for D in study.experiments[name].settings["D"]
+        ],
+    output:
+        report("report.html", caption="../report/report.rst", category="Report"),
+    log:
+        "joblogs/report.log",
+    params:
+        config=config_name(),
+        experiments={name: portable(experiment) for name, experiment in study.experiments.items()},
+        python=python_version(),
+        packages=pinned_packages(),
+        hashes={"code": study_hash(), "environment.lock": lock_hash()},
+        code=tracked("report.py"),
+    script:
+        "../scripts/report.py"

@@ -1,0 +1,216 @@
+"""The report: every table, figure and claim is on it, and a browser needs nothing but the page."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+
+from evaluation import report, report_origins
+from evaluation.catalogue import FIGURES
+from evaluation.page import Part, Section, page
+from evaluation.scores import COLUMNS
+from tests.browser import look, needs_chromium
+
+TABLE = "<!doctype html><html><body><h1>{title}</h1>\n{table}\n<p>A note.</p></body></html>"
+ROWS = "<table><thead><tr><th>EAR</th></tr></thead><tbody><tr><td>0.5</td></tr></tbody></table>"
+CELLS = '<table><caption>{}</caption><tr><td id="cell">0.25</td></tr></table>'
+
+
+@pytest.fixture
+def tables(tmp_path: Path) -> list[Path]:
+    """A plain table, and two that show the same cell."""
+    folder = tmp_path / "tables"
+    folder.mkdir()
+    texts = {
+        "table_1a": TABLE.format(title="Table 1A. a &lt; b", table=ROWS),
+        "table_1b": TABLE.format(
+            title="Table 1B",
+            table=CELLS.format("Table 1B") + ROWS.replace("<thead>", "<caption>Differences</caption><thead>"),
+        ),
+        "own_csl": TABLE.format(title="Learning, own", table=CELLS.format("Learning, own")),
+    }
+    for name, text in texts.items():
+        (folder / f"{name}.html").write_text(text, encoding="utf-8")
+    return [folder / f"{name}.html" for name in texts]
+
+
+@pytest.fixture
+def figures(tmp_path: Path) -> list[Path]:
+    folder = tmp_path / "figures"
+    folder.mkdir()
+    paths = [folder / name for name in ("own_words.png", "own_two_positions.png", "own_words.gif", "own_odd.png")]
+    for path in paths:
+        Image.new("RGB", (40, 30), "red").save(path)
+    return paths
+
+
+@pytest.fixture
+def claimed() -> pd.DataFrame:
+    rows = [
+        ("1", "A is better", "holds", "tables/table_1a.html tables/table_1b.html"),
+        ("2", "B & C are", "does not hold", "tables/table_1b.html#cell descriptions/own_D5.csv own_words"),
+        ("3", "nobody is", "not decidable", ""),
+    ]
+    return pd.DataFrame(rows, columns=["claim", "text", "verdict", "rests_on"])
+
+
+@pytest.fixture
+def scores() -> pd.DataFrame:
+    rows = [
+        (experiment, "default", task, method, "blocked", 1, 1, 5, ROW, seed, measure, 0.5)
+        for experiment in ("own", "own_two")
+        for task, measure in (("csl", "EAR"), ("csl", "ARI_a"), ("description", "ACC"))
+        for method, ROW in (("proposed", 0), ("proposed", 40), ("gmm", 100))
+        for seed in (1, 2, 3)
+    ]
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+CHAINS = pd.DataFrame(
+    [
+        ("own", "proposed", 5, 0, "log_joint", 1.25, 30.0),
+        ("own", "proposed", 5, 0, "used_action", np.inf, 7.25),
+        ("own", "proposed", 5, 0, "used_color", 1.0, 99.0),
+        ("own", "proposed", 5, 0, "same_object_0_1", np.nan, np.nan),
+        ("own", "gmm", 5, 100, "log_joint", 1.0, 50.0),
+    ],
+    columns=["experiment", "method", "D", "ROW", "quantity", "r_hat", "ess_bulk"],
+)
+EXPERIMENTS = ("own", "own_two")
+
+
+@pytest.fixture
+def whole(
+    tables: list[Path], figures: list[Path], claimed: pd.DataFrame, scores: pd.DataFrame, tmp_path: Path
+) -> Path:
+    """A report with every section."""
+    sections = [
+        report.about("own.yaml", dict.fromkeys(EXPERIMENTS, "simulated trials"), scores),
+        report.claims(claimed, claimed, {path.stem for path in (*tables, *figures)}),
+        report.tables(tables),
+        report.figures(figures, EXPERIMENTS),
+        report.diagnostics({"own_D5": CHAINS}),
+        report_origins.settings("own.yaml", {"own": {"words": {"color": ["rouge", "grün"]}, "K": 10}}),
+        report_origins.versions("3.11", {"numpy": "2.0"}, {"code": "0a1b"}),
+        report_origins.reproduction("own.yaml"),
+    ]
+    path = tmp_path / "report.html"
+    path.write_text(page("A report", sections), encoding="utf-8")
+    return path
+
+
+def test_the_size_of_the_study_is_counted(scores: pd.DataFrame) -> None:
+    body = report.about("own.yaml", {"own": "simulated trials", "own_two": "those of own"}, scores).body
+    assert f"{2 * 3 * 3} fits of the model, and {len(scores)} measures" in body
+    row = ("own_two", "those of own", "5", "0, 40", "(A) proposed, ALL", "3", "9")
+    assert "".join(f"<td>{cell}</td>" for cell in row) in body
+
+
+def test_claims_lead_to_what_they_rest_on(claimed: pd.DataFrame) -> None:
+    body = report.claims(claimed, None, {"table_1a", "table_1b", "own_words"}).body
+    assert re.findall(r'href="(.*?)"', body) == [
+        *("#table_1a", "#table_1b"),
+        *("#table_1b.cell", "descriptions/own_D5.csv", "#own_words"),
+    ]
+    assert re.findall(r'id="(claim_.*?)"', body) == ["claim_1", "claim_2", "claim_3"]
+    assert "Verdicts: holds 1, does not hold 1, not decidable 1." in body
+    assert "B &amp; C are" in body
+
+
+def test_claims_of_other_columns_are_shown(claimed: pd.DataFrame) -> None:
+    body = report.claims(claimed[["text"]].assign(their_value="0.02"), None, ()).body
+    assert body.count("0.02") == 3
+    assert re.findall("<th>(.*?)</th>", body) == ["text", "their value"]
+    body = report.claims(claimed.assign(paper="")[["paper", "rests_on", "verdict", "claim"]], None, ()).body
+    assert re.findall("<th>(.*?)</th>", body) == ["claim", "verdict", "paper", "rests on"]
+
+
+def test_every_table_has_its_anchor(tables: list[Path]) -> None:
+    parts = report.tables(tables).parts
+    assert [part.anchor for part in parts] == ["table_1a", "table_1b", "own_csl"]
+    assert parts[0].title == "Table 1A. a < b"
+    assert parts[0].body.startswith('<div class="wide"><table>')
+    assert "<p>A note.</p>" in parts[0].body
+    assert 'href="tables/table_1a.csv"' in parts[0].body
+    assert re.findall("<caption>.*?</caption>", parts[1].body) == ["<caption>Differences</caption>"]
+
+
+def test_another_page_than_a_tables_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "table_9.html"
+    path.write_text("<html><body><h1>Title</h1></body></html>")
+    with pytest.raises(ValueError, match=r"table_9.html: not the page of a table"):
+        report.tables([path])
+
+
+def test_figures_say_what_they_show(figures: list[Path]) -> None:
+    parts = report.figures(figures, EXPERIMENTS).parts
+    assert [part.title for part in parts] == ["Words, own", "Positions, own_two", "Words, own", "Odd, own"]
+    assert len({part.anchor for part in parts}) == len(parts)
+    assert "In the paper: Figures 4A and 8A." in parts[0].body
+    assert FIGURES["positions"].caption in parts[1].body
+    assert 'src="data:image/gif;base64,' in parts[2].body
+
+
+def test_a_large_animation_is_linked(figures: list[Path]) -> None:
+    with figures[2].open("ab") as file:
+        file.write(bytes(1_500_000))
+    body = report.figures(figures, EXPERIMENTS).parts[2].body
+    assert "<img" not in body
+    assert '<a href="figures/own_words.gif">figures/own_words.gif</a>' in body
+
+
+def test_diagnostics_tell_the_worst() -> None:
+    (part,) = report.diagnostics({"own_D5": CHAINS}).parts
+    assert (part.anchor, part.title) == ("diagnostics_own_D5", "Chains, own, D = 5")
+    rows = [re.findall("<td>(.*?)</td>", row) for row in part.body.split("<tr>")[2:]]
+    assert rows == [["0", "(A) proposed", "1.25", "∞", "2 of 3", "7.25"], ["100", "ALL", "1", "1", "0 of 1", "50"]]
+    assert 'href="diagnostics/own_D5.html"' in part.body
+
+
+def test_two_pieces_of_one_anchor_are_refused() -> None:
+    twice = Section("tables", "Tables", "", (Part("a", "A", ""), Part("tables", "B", "")))
+    with pytest.raises(ValueError, match=r"stand twice on the page: tables$"):
+        page("A report", [twice])
+
+
+def test_nothing_is_loaded_from_elsewhere(whole: Path) -> None:
+    """Every address in the page is an anchor, a file beside it, or a plain link; images are part of the page."""
+    text = whole.read_text(encoding="utf-8")
+    assert "default-src 'none'; img-src data:" in text
+    assert not re.findall(r"<(?:script|link|iframe|object|embed)|@import|url\(", text)
+    assert all(source.startswith("data:") for source in re.findall(r'src="(.*?)"', text))
+    elsewhere = re.findall(r'<(\w+)[^>]*?="[a-z]+://', text)
+    assert set(elsewhere) == {"a"}
+
+
+@needs_chromium
+@pytest.mark.parametrize("window", ["1300,900", "500,900"])
+def test_a_browser_shows_all_of_it(whole: Path, tmp_path: Path, window: str) -> None:
+    seen = look(whole, tmp_path, window)
+    assert {"table_1a", "table_1b", "own_csl", "table_1b.cell", "own_csl.cell", "claim_2"} <= set(seen.anchors)
+    assert len(set(seen.anchors)) == len(seen.anchors)
+    assert (seen.images, seen.broken_images, seen.silent_images) == (4, [], 0)
+    assert (seen.lost_links, seen.fetched) == ([], [])
+    assert seen.width <= 0
+
+
+@needs_chromium
+def test_the_browser_would_tell_what_is_wrong(whole: Path, tmp_path: Path) -> None:
+    """The look itself: a broken image, a lost link, what is fetched, and a page that is too wide are seen."""
+    text = whole.read_text(encoding="utf-8")
+    text = re.sub(r'(alt="Odd, own\.?" src="data:image/png;base64,)[^"]*', r"\1AAAA", text)
+    address = "http://127.0.0.1:9/x.png"  # nobody listens there
+    added = f'<a href="#nowhere">x</a><img src="{address}" style="width: 2000px; max-width: none; height: 9px">'
+    text = text.replace("img-src data:", "img-src data: http:").replace("</main>", f"{added}</main>")
+    whole.write_text(text, encoding="utf-8")
+    seen = look(whole, tmp_path)
+    assert [alternative.rstrip(".") for alternative in seen.broken_images] == ["Odd, own", ""]
+    assert seen.lost_links == ["nowhere"]
+    assert seen.fetched == [address]
+    assert seen.silent_images == 1
+    assert seen.width > 0

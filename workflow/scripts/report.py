@@ -1,0 +1,32 @@
+"""Put all that people look at on one page that opens from disk."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from evaluation import report, report_origins
+from evaluation.page import page
+from evaluation.scores import read_scores
+from features.files import replacing
+from workflow.job import job
+from workflow.settings import complete, origin
+
+with job(snakemake):
+    files, params = snakemake.input, snakemake.params
+    tables, figures = [Path(path) for path in files.tables], [Path(path) for path in files.figures]
+    texts = [pd.read_csv(path, dtype=str, keep_default_na=False) for path in files.claims]
+    chains = {Path(path).stem: pd.read_csv(path) for path in files.diagnostics}
+    origins = {name: origin(own) for name, own in params.experiments.items()}
+    shown = {path.stem for path in (*tables, *figures)}
+    sections = [
+        report.about(params.config, origins, read_scores([Path(files.scores)])),
+        *([report.claims(texts[0], texts[1] if len(texts) > 1 else None, shown)] if texts else []),
+        report.tables(tables),
+        report.figures(figures, params.experiments),
+        report.diagnostics(chains),
+        report_origins.settings(params.config, {name: complete(own) for name, own in params.experiments.items()}),
+        report_origins.versions(params.python, params.packages, params.hashes),
+        report_origins.reproduction(params.config),
+    ]
+    with replacing(Path(snakemake.output[0])) as (temporary,):
+        temporary.write_text(page("Cross-situational learning: the study", sections), encoding="utf-8")
