@@ -10,6 +10,76 @@ FIT_FIGURES = ("words", "positions")
 
 
 @dataclass(frozen=True)
+class Figure:
+    """One kind of figure; each experiment has its own, `figures/{experiment}_{name}`.
+
+    Attributes:
+        number: what the paper calls it, in Experiments I and II; None for a figure that the paper has not.
+        caption: what is seen, in one to three sentences.
+    """
+
+    number: str | None
+    caption: str
+
+
+# By name; an experiment has those that its data allow.
+FIGURES = {
+    "words": Figure(
+        "4A and 8A",
+        "The word distributions θ of the most probable fit: a row for each category in use, a column for each "
+        "word, darker where the word is more probable. A box surrounds each channel's own words; where words are "
+        "learned well, the dark cells lie in the boxes.",
+    ),
+    "positions": Figure(
+        "4B and 8B",
+        "The position categories of the same fit, seen from above: crosses are the objects, ellipses the categories "
+        "at two standard deviations. Each is named by its most probable word.",
+    ),
+    "object_categories": Figure(
+        "4C and 8C",
+        "What the robot saw of the objects in each object category of the same fit, the most typical first. Each "
+        "category is named by its most probable word; categories without an object are left out.",
+    ),
+    "color_categories": Figure(
+        "4D and 8D",
+        "What the robot saw of the objects in each color category of the same fit, the most typical first. Each "
+        "category is named by its most probable word; categories without an object are left out.",
+    ),
+    "generation": Figure(
+        "5 and 9",
+        "What the robot did when it was told to: the instruction, the scene before and after, and the tutor's word "
+        "for what happened. The fit is the one with the highest log joint among the proposed method's.",
+    ),
+    "confusion_proposed": Figure(
+        "6 and 10",
+        "What the robot said (columns) of what the tutor called (rows), with method A: counts over all seeds and "
+        "test actions, the shade is the share of the row. Lines part the channels.",
+    ),
+    "confusion_no_mec2": Figure(
+        None,
+        "The same as the confusion matrices of method A, with method B: without the constraint that no two words "
+        "of a sentence come from one channel.",
+    ),
+    "confusion_mmlda": Figure(
+        None,
+        "The same as the confusion matrices of method A, with method C: mMLDA, in which every channel explains the "
+        "whole sentence.",
+    ),
+    "objects": Figure("7", "The objects of the experiment, on the table."),
+    "trials": Figure(
+        None,
+        "The first training trials: the scene before and after the action, with the tutor's sentence and, in "
+        "brackets, what happened.",
+    ),
+    "features": Figure(
+        None,
+        "What the robot sees and feels: detected objects, their crops and colors, the actions' numbers, and how far "
+        "these features tell the words apart.",
+    ),
+}
+
+
+@dataclass(frozen=True)
 class Table:
     """One table: the part of the scores that it shows.
 
