@@ -27,5 +27,6 @@ rule all:
     input:
         "scores.csv",
         expand("tables/{table}.{form}", table=TABLES, form=TABLE_FORMS),
-        expand("figures/{figure}.png", figure=figures()),
+        list(figure_files()),
+        list(rating_keys()),
         [f"diagnostics/{name}_D{D}.html" for name in study.experiments for D in study.experiments[name].settings["D"]],

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 TABLE_FORMS = ("csv", "md", "tex", "html")
 FIT_FIGURES = ("words", "positions")
+CATEGORY_FIGURES = {"object_categories": "object", "color_categories": "color"}
 
 
 @dataclass(frozen=True)
@@ -16,10 +17,12 @@ class Figure:
     Attributes:
         number: what the paper calls it, in Experiments I and II; None for a figure that the paper has not.
         caption: what is seen, in one to three sentences.
+        forms: the endings of its files.
     """
 
     number: str | None
     caption: str
+    forms: tuple[str, ...] = ("png", "pdf")
 
 
 # By name; an experiment has those that its data allow.
@@ -48,7 +51,13 @@ FIGURES = {
     "generation": Figure(
         "5 and 9",
         "What the robot did when it was told to: the instruction, the scene before and after, and the tutor's word "
-        "for what happened. The fit is the one with the highest log joint among the proposed method's.",
+        "for what happened. The fit is the one with the highest log joint of all seeds.",
+    ),
+    "action": Figure(
+        "5 and 9",
+        "One of these actions in motion: the first that was carried out rightly and in which the hand moved; where "
+        "there is none, the first.",
+        forms=("gif",),
     ),
     "confusion_proposed": Figure(
         "6 and 10",
@@ -70,11 +79,13 @@ FIGURES = {
         None,
         "The first training trials: the scene before and after the action, with the tutor's sentence and, in "
         "brackets, what happened.",
+        forms=("png",),
     ),
     "features": Figure(
         None,
         "What the robot sees and feels: detected objects, their crops and colors, the actions' numbers, and how far "
         "these features tell the words apart.",
+        forms=("png",),
     ),
 }
 
