@@ -33,5 +33,6 @@ rule all:
         "claims.csv",
         expand("tables/{file}", file=files_of_tables(TABLES)),
         expand("tables/{experiment}_uncertain.{form}", experiment=INSTRUCTED, form=TABLE_FORMS),
-        expand("figures/{figure}.png", figure=figures()),
+        list(figure_files()),
+        list(rating_keys()),
         [f"diagnostics/{name}_D{D}.html" for name in study.experiments for D in study.experiments[name].settings["D"]],

@@ -51,7 +51,7 @@ def animation(log: Log, *, width: int = 480, height: int = 360, every: int = 1) 
         log: Log of a trial.
         width: Columns.
         height: Rows.
-        every: Take only every so manieth joint state.
+        every: Take only every so manieth joint state, and the last.
     """
     observation(log)
     settings = log.metadata.get("settings")
@@ -63,12 +63,19 @@ def animation(log: Log, *, width: int = 480, height: int = 360, every: int = 1) 
     frames = []
     with World(simulation, whole_robot=True) as world:
         world.set_up(_placed(log), None)
-        for time, state in states[::every]:
+        taken = states[::every] + (states[-1:] if (len(states) - 1) % every else [])
+        for time, state in taken:
             if isinstance(state, JointState):
                 at = poses.get(time) if world.objects else None
                 world.arrange(state.position, None if at is None else np.asarray(at, dtype=np.float64))
                 frames.append(world.photograph(view))
     return frames
+
+
+def brief(log: Log, pictures: int = 9) -> list[Image]:
+    """Return about so many pictures of an animation, evenly spaced, the last one included."""
+    states = sum(message.topic == channels.JOINT_STATES for message in log.messages)
+    return animation(log, width=400, height=300, every=max(1, math.ceil((states - 1) / (pictures - 1))))
 
 
 def contact_sheet(logs: Sequence[Log], columns: int = 3) -> Image:
@@ -106,16 +113,17 @@ def save_png(path: Path, image: Image) -> None:
     _replace(path, lambda name: Pillow.fromarray(image).save(name, format="PNG"))
 
 
-def save_gif(path: Path, frames: list[Image], rate: float) -> None:
-    """Write an animation of ``rate`` pictures a second."""
+def save_gif(path: Path, frames: list[Image], rate: float, hold: float = 0.0) -> None:
+    """Write an animation of ``rate`` pictures a second, the last of which stays ``hold`` seconds longer."""
     from PIL import Image as Pillow
 
     pictures = [Pillow.fromarray(frame) for frame in frames]
     step = max(20, round(1000.0 / rate))
+    durations = [step] * (len(frames) - 1) + [step + round(1000.0 * hold)]
     _replace(
         path,
         lambda name: pictures[0].save(
-            name, format="GIF", save_all=True, append_images=pictures[1:], duration=step, loop=0
+            name, format="GIF", save_all=True, append_images=pictures[1:], duration=durations, loop=0
         ),
     )
 

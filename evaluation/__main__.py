@@ -1,32 +1,58 @@
-"""Compare a study with a reference: `python -m evaluation compare results results/reference`."""
+"""Commands on what a study found: compare it with a reference, and count what people say of its clips.
+
+`python -m evaluation compare results results/reference`
+`python -m evaluation ratings FORM.csv … --key KEY.csv`
+"""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from evaluation.compare import compare_folders
+from evaluation.ratings import RatingError, human_rates, read_forms, read_key
+from evaluation.scores import write_csv
 
 
-def main() -> int:
-    """Print what differs; 0 if the seeds explain all of it, 1 if not, 2 if there is nothing to compare."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; return 0, 1 where results differ by more than the seeds explain, 2 for files of no use."""
     parser = argparse.ArgumentParser(prog="python -m evaluation", description=__doc__)
     commands = parser.add_subparsers(required=True, dest="command")
     compare = commands.add_parser("compare", help="say which cells differ by more than the seeds explain")
     compare.add_argument("results", type=Path, help="output folder of a study")
     compare.add_argument("reference", type=Path, help="output folder to compare with")
-    arguments = parser.parse_args()
+    ratings = commands.add_parser(
+        "ratings", help="the human WAR of each method, from forms that raters have filled in"
+    )
+    ratings.add_argument("forms", nargs="+", type=Path, metavar="FORM", help="CSV forms, one or more a rater")
+    ratings.add_argument("--key", type=Path, required=True, help="which clip shows what: ratings/EXPERIMENT_key.csv")
+    ratings.add_argument("--out", type=Path, help="write the rates as CSV, too")
+    options = parser.parse_args(arguments)
     try:
-        compared = compare_folders(arguments.results, arguments.reference)
-    except (FileNotFoundError, ValueError) as error:
+        return _compare(options) if options.command == "compare" else _ratings(options)
+    except (FileNotFoundError, RatingError, ValueError) as error:
         sys.stderr.write(f"{error}\n")
         return 2
+
+
+def _compare(options: argparse.Namespace) -> int:
+    compared = compare_folders(options.results, options.reference)
     sys.stdout.write(compared.summary())
     if compared.nothing_in_common:
-        sys.stderr.write(f"{arguments.results} and {arguments.reference} have no cell in common\n")
+        sys.stderr.write(f"{options.results} and {options.reference} have no cell in common\n")
         return 2
     return 0 if compared.explained else 1
+
+
+def _ratings(options: argparse.Namespace) -> int:
+    key = read_key(options.key)
+    rates = human_rates(read_forms(options.forms, key), key)
+    if options.out is not None:
+        write_csv(rates, options.out)
+    sys.stdout.write(rates.to_markdown(index=False, floatfmt=".3f") + "\n")
+    return 0
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ TABLE_FORMS = ("csv", "md", "tex", "html")
 # How the name of each file of a table ends.
 TABLE_ENDINGS = (*(f".{form}" for form in TABLE_FORMS), "_differences.csv")
 FIT_FIGURES = ("words", "positions")
+CATEGORY_FIGURES = {"object_categories": "object", "color_categories": "color"}
 
 
 @dataclass(frozen=True)
@@ -18,10 +19,12 @@ class Figure:
     Attributes:
         number: what the paper calls it, in Experiments I and II; None for a figure that the paper has not.
         caption: what is seen, in one to three sentences.
+        forms: the endings of its files.
     """
 
     number: str | None
     caption: str
+    forms: tuple[str, ...] = ("png", "pdf")
 
 
 # By name; an experiment has those that its data allow.
@@ -50,7 +53,13 @@ FIGURES = {
     "generation": Figure(
         "5 and 9",
         "What the robot did when it was told to: the instruction, the scene before and after, and the tutor's word "
-        "for what happened. The fit is the one with the highest log joint among the proposed method's.",
+        "for what happened. The fit is the one with the highest log joint of all seeds.",
+    ),
+    "action": Figure(
+        "5 and 9",
+        "One of these actions in motion: the first that was carried out rightly and in which the hand moved; where "
+        "there is none, the first.",
+        forms=("gif",),
     ),
     "instructions": Figure(
         None,
@@ -82,11 +91,13 @@ FIGURES = {
         None,
         "The first training trials: the scene before and after the action, with the tutor's sentence and, in "
         "brackets, what happened.",
+        forms=("png",),
     ),
     "features": Figure(
         None,
         "What the robot sees and feels: detected objects, their crops and colors, the actions' numbers, and how far "
         "these features tell the words apart.",
+        forms=("png",),
     ),
 }
 

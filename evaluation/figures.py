@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -11,17 +12,24 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Rectangle
+from numpy.typing import NDArray
+from PIL import Image
 
 from evaluation.scores import LETTERS
 from features.files import replacing
 from model import Fit
 
+PAGE_WIDTH = 7.0
+"""Width of a figure, inches; at this width no letter is smaller than 7 points."""
+DPI = 200
 STYLE: Any = {
-    "font.size": 9,
-    "axes.titlesize": 10,
+    "font.size": 8,
+    "axes.titlesize": 9,
+    "figure.titlesize": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "svg.hashsalt": "0",
+    # Text stays text, so that a PDF can be searched.
+    "pdf.fonttype": 42,
 }
 
 
@@ -44,7 +52,7 @@ def word_distributions(fit: Fit, words: Mapping[str, Sequence[str]], title: str)
         rows.append(np.exp(fit.state.log_words[c][used])[:, order])
         labels += [f"{LETTERS.get(channel.name, channel.name)}{k + 1}" for k in range(len(used))]
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(1.6 + 0.38 * len(columns), 1.5 + 0.2 * len(labels)), layout="constrained")
+        figure = Figure(figsize=(PAGE_WIDTH, 1.3 + 0.17 * len(labels)), layout="constrained")
         axes = figure.subplots()
         image = axes.imshow(np.concatenate(rows), cmap="Greys", vmin=0.0, vmax=1.0, aspect="auto")
         for left, top, width, height in boxes:
@@ -69,18 +77,14 @@ def position_categories(fit: Fit, title: str) -> Figure:
     palette = mpl.colormaps["tab10"]
     behind = {"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 1.0}
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.0, 5.0), layout="constrained")
+        figure = Figure(figsize=(PAGE_WIDTH, 4.6), layout="constrained")
         axes = figure.subplots()
         for i, k in enumerate(np.unique(z)):
             own, shade = points[z == k], palette(i % 10)
             axes.plot(own[:, 1], own[:, 0], "x", color=shade, markersize=6)
             _ellipse(axes, fit.state.mean[c][k], fit.state.factor[c][k], shade)
-            label = f"p{i + 1}"
-            if fit.trials.vocabulary:
-                label += f" “{fit.trials.vocabulary[int(np.argmax(fit.state.log_words[c][k]))]}”"
-            axes.annotate(
-                label, own.mean(axis=0)[::-1], color=shade, ha="center", va="bottom", weight="bold", bbox=behind
-            )
+            label, middle = category_label(fit, c, i, int(k)), own.mean(axis=0)[::-1]
+            axes.annotate(label, middle, color=shade, ha="center", va="bottom", weight="bold", bbox=behind)
         axes.set_aspect("equal", adjustable="datalim")
         axes.autoscale_view()
         axes.invert_xaxis()
@@ -88,6 +92,14 @@ def position_categories(fit: Fit, title: str) -> Figure:
         axes.set_ylabel("x: ahead of the robot (m)")
         axes.set_title(f"Position categories\n{title}")
     return figure
+
+
+def category_label(fit: Fit, c: int, i: int, k: int) -> str:
+    """Name the i-th category in use, k, of channel c by its letter, number from 1 and most probable word."""
+    letter = LETTERS.get(fit.trials.channels[c].name, fit.trials.channels[c].name)
+    if not fit.trials.vocabulary:
+        return f"{letter}{i + 1}"
+    return f"{letter}{i + 1} “{fit.trials.vocabulary[int(np.argmax(fit.state.log_words[c][k]))]}”"
 
 
 def _ellipse(axes: Axes, mean: np.ndarray, factor: np.ndarray, shade: Any) -> None:
@@ -110,8 +122,33 @@ def _ellipse(axes: Axes, mean: np.ndarray, factor: np.ndarray, shade: Any) -> No
         )
 
 
-def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG or PDF, by the ending of the path; the same figure gives the same bytes."""
-    dates = {"CreationDate": None} if path.suffix == ".pdf" else {"Software": None}
-    with replacing(path) as (temporary,):
-        figure.savefig(temporary, dpi=200, format=path.suffix[1:], metadata=dates)
+def picture(image: NDArray[np.uint8]) -> Figure:
+    """A figure that is one image, (H, W, 3) RGB, over the whole width of a page."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(PAGE_WIDTH, PAGE_WIDTH * image.shape[0] / image.shape[1]))
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set_axis_off()
+        axes.imshow(coarse(image))
+    return figure
+
+
+def save_figure(figure: Figure, *paths: Path) -> None:
+    """Write a figure as PNG or PDF, by the ending of each path; the same figure gives the same bytes.
+
+    A PNG has 32 shades of each of red, green and blue: nobody sees the difference, but noise in photographs takes
+    half the room.
+    """
+    for path in paths:
+        with replacing(path) as (temporary,):
+            if path.suffix == ".pdf":
+                figure.savefig(temporary, dpi=DPI, format="pdf", metadata={"CreationDate": None})
+                continue
+            drawn = BytesIO()
+            figure.savefig(drawn, dpi=DPI, format="png")
+            shades = coarse(np.asarray(Image.open(drawn).convert("RGB")))
+            Image.fromarray(shades).save(temporary, format="PNG", optimize=True)
+
+
+def coarse(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """An image with 32 shades a channel, black and white kept."""
+    return np.rint(np.rint(image / 255.0 * 31.0) / 31.0 * 255.0).astype(np.uint8)

@@ -7,7 +7,7 @@ from typing import Any
 
 from data_collection.settings import Simulation
 from features.settings import FeatureSettings
-from workflow.config import key_path
+from workflow.config import default, key_path
 from workflow.study import CHANNELS, TASKS, Experiment, Study, feature_files, log_folder_trials
 
 # Keys that say nothing where the data come from elsewhere.
@@ -16,6 +16,8 @@ USELESS_WITH = {
     "trials_per_job": ("features", "data"),
     "feature_extraction": ("features", "data"),
 }
+# The key of an experiment that says what may be named, where it is called otherwise.
+SOURCES = {"variant": "variants", "method": "methods"}
 
 
 def contradictions(name: str, config: Mapping[str, Any]) -> Iterator[str]:
@@ -44,16 +46,49 @@ def contradictions(name: str, config: Mapping[str, Any]) -> Iterator[str]:
         for other in CHANNELS[i + 1 :]:
             for word in sorted(set(words[channel]) & set(words[other])):
                 yield f"{where}.words: {word!r} is a word of {channel} and of {other} (allowed: one channel a word)"
-    for task in TASKS:
-        for key, available in (("D", own["D"]), ("ROW", own.get("ROW", [0]))):
-            for i, value in enumerate(own.get(task, {}).get(key, ())):
-                if value not in available:
-                    allowed = ", ".join(map(str, available))
-                    yield f"{where}.{task}.{key}[{i}]: {value} is not run (allowed: {allowed}, from {where}.{key})"
+    yield from _conditions_not_run(where, own, config)
     trials = experiments[owner].get("trials")
     for i, D in enumerate(own["D"]):
         if trials is not None and D > trials:
             yield f"{where}.D[{i}]: {D} is more than the {trials} trials collected (experiments.{owner}.trials)"
+
+
+def _conditions_not_run(where: str, own: Mapping[str, Any], config: Mapping[str, Any]) -> Iterator[str]:
+    """Conditions that tasks, variants or the figure name, but that the experiment does not have."""
+    variants = own.get("variants", default("variants"))
+    methods = own.get("methods", config.get("methods", default("methods")))
+    available = {
+        "D": own["D"],
+        "ROW": own.get("ROW", default("ROW")),
+        "variant": list(variants),
+        "method": methods,
+        "methods": [*methods, *({"gmm"} - set(methods))],
+    }
+    naming = {task: own.get(task, {}) for task in TASKS} | {"figure": own.get("figure", {})}
+    naming |= {f"variants.{name}.only": variant.get("only", {}) for name, variant in variants.items()}
+    for place, asked in naming.items():
+        for key in [key for key in available if key in asked]:
+            listed = isinstance(asked[key], list)
+            for i, value in enumerate(asked[key] if listed else [asked[key]]):
+                if value not in available[key]:
+                    allowed = ", ".join(map(str, available[key]))
+                    yield (
+                        f"{where}.{place}.{key}{f'[{i}]' if listed else ''}: {value} is not run "
+                        f"(allowed: {allowed}, from {where}.{SOURCES.get(key, key)})"
+                    )
+
+
+def grid_problems(study: Study, name: str) -> Iterator[str]:
+    """What an experiment's variants leave without a fit."""
+    where = key_path(["experiments", name])
+    run = list(study.conditions(name))
+    for i, D in enumerate(study.experiments[name].settings["D"]):
+        if not any(condition.D == D for condition in run):
+            yield f"{where}.D[{i}]: {D} is run for no variant (see {where}.variants)"
+    if study.figure_condition(name) is None:
+        asked = ", ".join(f"{key} {value}" for key, value in study.experiments[name].settings["figure"].items())
+        allowed = dict.fromkeys(f"{c.variant} {c.method} D {c.D} ROW {c.ROW}" for c in run)
+        yield f"{where}.figure: no fit has {asked} (allowed: {'; '.join(allowed)})"
 
 
 def data_problems(study: Study, name: str) -> Iterator[str]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from workflow.checks import contradictions, data_problems
+from workflow.checks import contradictions, data_problems, grid_problems
 from workflow.config import ConfigError, default, read_config, schema_problems
 from workflow.study import SHARED_KEYS, Experiment, Study
 
@@ -34,7 +34,9 @@ def plan(config: Mapping[str, Any], path: Path) -> Study:
     if problems:
         raise ConfigError(str(path), problems)
     study = Study(experiments, path.parent)
-    problems = [problem for name in experiments for problem in data_problems(study, name)]
+    problems = [
+        problem for name in experiments for problem in (*grid_problems(study, name), *data_problems(study, name))
+    ]
     if problems:
         raise ConfigError(str(path), problems)
     return study
@@ -43,10 +45,10 @@ def plan(config: Mapping[str, Any], path: Path) -> Study:
 def _complete(name: str, config: Mapping[str, Any]) -> Experiment:
     own = config["experiments"][name]
     shared = {key: config[key] for key in SHARED_KEYS if key in config}
-    optional = (*SHARED_KEYS, "ROW", "seeds", "K", "variants", "trials_per_job")
+    optional = (*SHARED_KEYS, "ROW", "seeds", "K", "variants", "trials_per_job", "figure")
     settings = {key: default(key) for key in optional} | shared | own
     largest, fullest = [max(own["D"])], [min(settings["ROW"])]
-    settings["generation"] = {"sentences": 12, "D": largest, "ROW": fullest} | own.get("generation", {})
+    settings["generation"] = {"sentences": 12, "D": largest, "ROW": fullest, "rated": 1} | own.get("generation", {})
     settings["description"] = {"actions": 12, "D": own["D"], "ROW": settings["ROW"]} | own.get("description", {})
     owner = config["experiments"].get(own.get("data"), {})
     if "words" not in own and "words" in owner:

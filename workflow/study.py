@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -60,10 +60,19 @@ class Experiment:
             channel: {
                 HYPERPARAMETERS[key]: value[channel] if isinstance(value, Mapping) else value
                 for key, value in changes.items()
-                if not isinstance(value, Mapping) or channel in value
+                if key in HYPERPARAMETERS and (not isinstance(value, Mapping) or channel in value)
             }
             for channel in CHANNELS
         }
+
+    def is_run(self, variant: str, method: str, D: int, ROW: int) -> bool:
+        """Whether a variant is run for a condition; ALL (`gmm`) is the same at every ROW."""
+        only = self.settings["variants"][variant].get("only", {})
+        return (
+            method in only.get("methods", [method])
+            and D in only.get("D", [D])
+            and (method == "gmm" or ROW in only.get("ROW", [ROW]))
+        )
 
 
 @dataclass(frozen=True)
@@ -108,6 +117,8 @@ class Study:
             for inference in inference_names(settings):
                 for D in settings["D"]:
                     for method, ROW in grid:
+                        if not self.experiments[experiment].is_run(variant, method, D, ROW):
+                            continue
                         for seed in range(1, settings["seeds"] + 1):
                             yield Condition(experiment, variant, method, inference, D, ROW, seed)
 
@@ -155,16 +166,34 @@ class Study:
         weights = self.experiments[experiment].settings.get("feature_extraction", {}).get("weights", "seeded")
         return None if weights in ("seeded", "imagenet1k") else (self.folder / weights).resolve()
 
-    def figure_condition(self, experiment: str) -> Condition:
-        """The condition that an experiment's figure of a fit shows, seed 1 standing for all seeds.
+    def figure_condition(self, experiment: str) -> Condition | None:
+        """The condition that an experiment's figures of a fit show, seed 1 standing for all seeds.
 
-        The paper's Figure 4: most trials, fewest words omitted, the first method.
+        What the key `figure` leaves open is as in the paper's Figure 4: the first variant and method, most trials,
+        fewest words omitted. None where nothing is run that the key asks for.
         """
+        return self._first(experiment, self.conditions(experiment), self.experiments[experiment].settings["figure"])
+
+    def generation_condition(self, experiment: str) -> Condition | None:
+        """The condition whose generated actions a figure shows, chosen likewise; None without the task."""
+        return self._first(experiment, self.task_conditions(experiment, "generation"), {})
+
+    def _first(self, experiment: str, run: Iterable[Condition], asked: Mapping[str, Any]) -> Condition | None:
         settings = self.experiments[experiment].settings
-        methods = [method for method in settings["methods"] if method != "gmm"]
-        method, ROW = (methods[0], min(settings["ROW"])) if methods else ("gmm", 100)
-        wanted = {"method": method, "ROW": ROW, "D": max(settings["D"]), "seed": 1}
-        return next(c for c in self.conditions(experiment) if vars(c).items() >= wanted.items())
+        variants, methods = list(settings["variants"]), [*settings["methods"], "gmm"]
+        return min(
+            (condition for condition in run if condition.seed == 1 and vars(condition).items() >= asked.items()),
+            # ALL, which hears no word, is shown only where nothing else is run.
+            key=lambda c: (c.method == "gmm", variants.index(c.variant), methods.index(c.method), -c.D, c.ROW),
+            default=None,
+        )
+
+    def seeds(self, condition: Condition) -> list[Condition]:
+        """The condition with each seed."""
+        return [
+            replace(condition, seed=seed)
+            for seed in range(1, self.experiments[condition.experiment].settings["seeds"] + 1)
+        ]
 
 
 def inference_names(settings: Mapping[str, Any]) -> list[str]:

@@ -68,7 +68,7 @@ rule pictures:
         ],
     output:
         trials="figures/{experiment}_trials.png",
-        objects="figures/{experiment}_objects.png",
+        objects=["figures/{experiment}_objects.png", "figures/{experiment}_objects.pdf"],
     log:
         "joblogs/figures/{experiment}_pictures.log",
     wildcard_constraints:

@@ -1,9 +1,9 @@
-"""What people look at: tables and figures."""
+"""What people look at: tables, figures, and clips to rate."""
 
 from dataclasses import replace
 
 from evaluation.captions import caption, titled
-from evaluation.catalogue import FIT_FIGURES, TABLE_FORMS, files_of_tables, tables_of
+from evaluation.catalogue import CATEGORY_FIGURES, FIGURES, FIT_FIGURES, TABLE_FORMS, files_of_tables, tables_of
 from workflow.versions import pinned_packages, python_version, study_hash
 from workflow.settings import portable
 
@@ -79,16 +79,49 @@ rule claims:
         "../scripts/claims.py"
 
 
-def figures():
-    """The figures of a study: of the fits, of the features where there are logs, of what was simulated."""
-    for name, experiment in study.experiments.items():
-        yield from (f"{name}_{figure}" for figure in FIT_FIGURES)
-        if experiment.data == name and experiment.source != "features":
-            yield f"{name}_features"
-        if experiment.data == name and experiment.source == "simulation":
-            yield from (f"{name}_trials", f"{name}_objects")
-        if name in INSTRUCTED:
-            yield from (f"{name}_instructions", f"{name}_uncertain")
+def figures_of(name):
+    """The figures of an experiment: its own features have no logs, and a robot's logs cannot be simulated further."""
+    experiment = study.experiments[name]
+    data = study.experiments[experiment.data]
+    yield from FIT_FIGURES
+    if data.source != "features":
+        yield from CATEGORY_FIGURES
+    yield from (f"confusion_{method}" for method in methods_described(name))
+    if acts(name):
+        yield from ("generation", "action")
+    if name in INSTRUCTED:
+        yield from ("instructions", "uncertain")
+    if experiment is data and experiment.source != "features":
+        yield "features"
+    if experiment is data and experiment.source == "simulation":
+        yield from ("trials", "objects")
+
+
+def methods_described(name):
+    """The methods that describe actions of an experiment."""
+    return dict.fromkeys(condition.method for condition in study.task_conditions(name, "description"))
+
+
+def acts(name):
+    """Whether instructions of an experiment are carried out, so that there is something to show."""
+    return simulation_of(study.experiments[name].data) is not None and study.generation_condition(name) is not None
+
+
+def files_of(figure):
+    """The files of one kind of figure, whose experiment is a wildcard."""
+    return [f"figures/{{experiment}}_{figure}.{form}" for form in FIGURES[figure].forms]
+
+
+def figure_files():
+    """All files of all figures."""
+    for name in study.experiments:
+        for figure in figures_of(name):
+            yield from expand(files_of(figure), experiment=name)
+
+
+def fits_shown(wildcards):
+    """The fits, one a seed, of the condition that an experiment's figures of a fit show."""
+    return [condition.path for condition in study.seeds(study.figure_condition(wildcards.experiment))]
 
 
 rule figure_of_features:
@@ -99,7 +132,7 @@ rule figure_of_features:
         objects=lambda wildcards: f"features/{wildcards.experiment}/D{largest_D(wildcards)}/train_objects.parquet",
         transforms=lambda wildcards: f"features/{wildcards.experiment}/D{largest_D(wildcards)}/transforms.npz",
     output:
-        "figures/{experiment}_features.png",
+        files_of("features"),
     log:
         "joblogs/figures/{experiment}_features.log",
     wildcard_constraints:
@@ -115,12 +148,9 @@ rule figure_of_features:
 
 rule figure_of_fit:
     input:
-        fits=lambda wildcards: [
-            replace(study.figure_condition(wildcards.experiment), seed=seed).path
-            for seed in range(1, settings(wildcards)["seeds"] + 1)
-        ],
+        fits=fits_shown,
     output:
-        **{figure: f"figures/{{experiment}}_{figure}.png" for figure in FIT_FIGURES},
+        **{figure: files_of(figure) for figure in FIT_FIGURES},
     log:
         "joblogs/figures/{experiment}.log",
     params:
@@ -136,8 +166,7 @@ rule figure_of_instructions:
         unpack(instructed_tables),
         fits=lambda wildcards: [condition.path for condition in instructed_fits(wildcards)],
     output:
-        "figures/{experiment}_instructions.png",
-        "figures/{experiment}_instructions.pdf",
+        files_of("instructions"),
     log:
         "joblogs/figures/{experiment}_instructions.log",
     params:
@@ -164,6 +193,121 @@ rule present_uncertain:
         code=tracked("present_uncertain.py"),
     script:
         "../scripts/present_uncertain.py"
+
+
+rule figure_of_categories:
+    input:
+        fits=fits_shown,
+        percepts=lambda wildcards: percept_paths(
+            study.experiments[wildcards.experiment].data, "train", study.figure_condition(wildcards.experiment).D
+        ),
+    output:
+        **{figure: files_of(figure) for figure in CATEGORY_FIGURES},
+    log:
+        "joblogs/figures/{experiment}_categories.log",
+    params:
+        condition=lambda wildcards: vars(study.figure_condition(wildcards.experiment)),
+        code=tracked("figure_of_categories.py"),
+    script:
+        "../scripts/figure_of_categories.py"
+
+
+rule count_confusions:
+    input:
+        "descriptions/{experiment}_D{D}.csv",
+    output:
+        "confusion/{experiment}_D{D}.csv",
+    log:
+        "joblogs/confusion/{experiment}_D{D}.log",
+    params:
+        words=lambda wildcards: study.experiments[wildcards.experiment].words,
+        code=tracked("count_confusions.py"),
+    script:
+        "../scripts/count_confusions.py"
+
+
+rule figure_of_confusion:
+    input:
+        lambda wildcards: [
+            f"confusion/{wildcards.experiment}_D{D}.csv" for D in settings(wildcards)["description"]["D"]
+        ],
+    output:
+        [path.replace("proposed", "{method}") for path in files_of("confusion_proposed")],
+    log:
+        "joblogs/figures/{experiment}_confusion_{method}.log",
+    params:
+        words=lambda wildcards: study.experiments[wildcards.experiment].words,
+        code=tracked("figure_of_confusion.py"),
+    script:
+        "../scripts/figure_of_confusion.py"
+
+
+rule figure_of_generation:
+    input:
+        fits=lambda wildcards: [
+            condition.path for condition in study.seeds(study.generation_condition(wildcards.experiment))
+        ],
+        answers=lambda wildcards: [
+            f"{GENERATION_PATH}/answers.csv".format(**vars(condition))
+            for condition in study.seeds(study.generation_condition(wildcards.experiment))
+        ],
+        logs=lambda wildcards: [
+            f"{GENERATION_PATH}/mcap".format(**vars(condition))
+            for condition in study.seeds(study.generation_condition(wildcards.experiment))
+        ],
+    output:
+        generation=files_of("generation"),
+        action=files_of("action"),
+    log:
+        "joblogs/figures/{experiment}_generation.log",
+    params:
+        condition=lambda wildcards: vars(study.generation_condition(wildcards.experiment)),
+        code=tracked("figure_of_generation.py"),
+    script:
+        "../scripts/figure_of_generation.py"
+
+
+def rated(name):
+    """Of each condition whose actions people may rate, all seeds: their names, and where fit, answers and logs are."""
+    groups = {}
+    for condition in study.task_conditions(name, "generation"):
+        one = {"names": columns([condition])[0], "fit": condition.path}
+        one["answers"] = f"{GENERATION_PATH}/answers.csv".format(**vars(condition))
+        one["logs"] = f"{GENERATION_PATH}/mcap".format(**vars(condition))
+        groups.setdefault(replace(condition, seed=0), []).append(one)
+    return list(groups.values())
+
+
+def rating_keys():
+    """The key to each experiment's clips."""
+    for name, experiment in study.experiments.items():
+        if acts(name) and experiment.settings["generation"]["rated"] > 0:
+            yield f"ratings/{name}_key.csv"
+
+
+rule ratings:
+    input:
+        lambda wildcards: [
+            one[kind]
+            for seeds in rated(wildcards.experiment)
+            for one in seeds
+            for kind in ("fit", "answers", "logs")
+        ],
+    output:
+        folder=directory("ratings/{experiment}"),
+        key="ratings/{experiment}_key.csv",
+    log:
+        "joblogs/ratings/{experiment}.log",
+    params:
+        conditions=lambda wildcards: rated(wildcards.experiment),
+        rated=lambda wildcards: settings(wildcards)["generation"]["rated"],
+        words=lambda wildcards: study.experiments[wildcards.experiment].words["action"],
+        seed=lambda wildcards: settings(wildcards)["seed"],
+        code=tracked("ratings.py"),
+    script:
+        "../scripts/ratings.py"
+
+
 def config_name():
     """The config file as `make` is told of it; of one that is elsewhere the name only."""
     path, root = CONFIG_FILE.resolve(), Path(workflow.basedir).resolve()
@@ -201,9 +345,13 @@ rule report:
         ],
         figures=[
             report(
-                f"figures/{name}.png", caption="../report/figure.rst", category="Figures", labels=figure_labels(name)
+                f"figures/{name}_{figure}.{FIGURES[figure].forms[0]}",
+                caption="../report/figure.rst",
+                category="Figures",
+                labels=figure_labels(f"{name}_{figure}"),
             )
-            for name in figures()
+            for name in study.experiments
+            for figure in figures_of(name)
         ],
         diagnostics=[
             f"diagnostics/{name}_D{D}.csv"

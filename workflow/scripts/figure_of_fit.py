@@ -2,17 +2,12 @@
 
 from pathlib import Path
 
+from evaluation.best_fit import by_log_joint, title
 from evaluation.figures import position_categories, save_figure, word_distributions
-from model import METHODS, load
 from workflow.job import job
 
 with job(snakemake):
-    fits = [load(Path(path)) for path in snakemake.input.fits]
-    best = max(range(len(fits)), key=lambda i: float(fits[i].trace_log_joint[-1]))
-    shown = snakemake.params.condition
-    title = (
-        f"{shown['experiment']}, {METHODS[shown['method']].label}, D = {shown['D']}, ROW {shown['ROW']} %,\n"
-        f"seed {best + 1} of {len(fits)} (highest log joint)"
-    )
-    save_figure(word_distributions(fits[best], snakemake.params.words, title), Path(snakemake.output.words))
-    save_figure(position_categories(fits[best], title), Path(snakemake.output.positions))
+    best, fit = by_log_joint(Path(path) for path in snakemake.input.fits)[0]
+    shown = title(snakemake.params.condition, fit, best, len(snakemake.input.fits))
+    save_figure(word_distributions(fit, snakemake.params.words, shown), *map(Path, snakemake.output.words))
+    save_figure(position_categories(fit, shown), *map(Path, snakemake.output.positions))

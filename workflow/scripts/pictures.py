@@ -7,12 +7,14 @@ import cv2
 from data_collection.mcap_log import read_log
 from data_collection.settings import Simulation
 from data_collection.show import contact_sheet, gallery, save_png
+from evaluation.figures import coarse, picture, save_figure
 from workflow.job import job
 
 with job(snakemake):
     logs = [read_log(Path(path)) for path in snakemake.input]
     sheet = contact_sheet(logs)
-    # Noisy pictures are large as PNG; half the size still shows hand, objects and words.
+    # Noisy pictures are large as PNG; half the size and fewer shades still show hand, objects and words.
     half = cv2.resize(sheet, (sheet.shape[1] // 2, sheet.shape[0] // 2), interpolation=cv2.INTER_AREA)
-    save_png(Path(snakemake.output.trials), half)
-    save_png(Path(snakemake.output.objects), gallery(Simulation.from_mapping(snakemake.params.simulation)))
+    save_png(Path(snakemake.output.trials), coarse(half))
+    objects = gallery(Simulation.from_mapping(snakemake.params.simulation))
+    save_figure(picture(objects), *map(Path, snakemake.output.objects))
