@@ -11,12 +11,12 @@ PYTHON := $(VENV)/bin/python
 SOURCES := data_collection features model evaluation workflow tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study smoke test test-slow lint format bench lock reference clean
+.PHONY: help setup study smoke test test-slow lint format bench docs lock reference clean
 
 help:
 	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=$(CORES)]  run a study"
 	@echo "make smoke [OUT=$(OUT)/smoke]   a tiny study through every stage"
-	@echo "make test | test-slow | lint | format | bench"
+	@echo "make test | test-slow | lint | format | bench | docs"
 	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
 	@echo "make reference   run the study and keep its tables and figures in results/reference"
 	@echo "make clean   remove results but results/reference"
@@ -66,6 +66,9 @@ format: $(READY)
 
 bench: $(READY)
 	$(PYTHON) -m benchmarks --out $(OUT)/bench
+
+docs: $(READY)
+	$(PYTHON) -m workflow.reference docs/config.md
 
 # pip-compile resolves with pip itself; a local build label such as +cpu is on no public index, and is left out.
 lock:
