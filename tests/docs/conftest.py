@@ -50,10 +50,9 @@ def repository(finished: Path, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def environment(tmp_path: Path) -> Mapping[str, str]:
-    """The environment variables of a reader who has activated the environment, and has a cache of their own."""
-    path = os.pathsep.join([str(Path(sys.prefix) / "bin"), os.environ.get("PATH", "")])
-    more = {"PATH": path, "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg", "CACHE": str(tmp_path / "cache")}
-    return {**os.environ, **more}
+    """The environment variables of a reader who has set nothing, but has a cache of their own."""
+    own = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "VIRTUAL_ENV")}
+    return {**own, "MPLBACKEND": "Agg", "CACHE": str(tmp_path / "cache")}
 
 
 @pytest.fixture

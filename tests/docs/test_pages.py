@@ -18,7 +18,7 @@ OTHER_TEST = {"faq.md", "conditions.md"}  # run example by example: test_faq, te
 
 
 def name(page: Path) -> str:
-    return page.name
+    return page.relative_to(ROOT).as_posix()
 
 
 @pytest.mark.slow
