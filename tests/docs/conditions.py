@@ -1,5 +1,7 @@
-"""The examples of docs/conditions.md. `python -m tests.docs.conditions OUT` writes into the page what each one would
-run, OUT being the folder of a finished smoke study.
+"""The examples of docs/conditions.md.
+
+`python -m tests.docs.conditions OUT` writes into the page what each one would run, OUT being the folder of a finished
+smoke study.
 """
 
 from __future__ import annotations
@@ -21,7 +23,9 @@ from tests.docs.pages import ROOT
 
 PAGE = ROOT / "docs" / "conditions.md"
 SMOKE = ROOT / "config" / "smoke.yaml"
-_EXAMPLE = re.compile(r"^## (?P<name>.+?)$.*?```yaml\n(?P<patch>.*?)```\n\n(?P<jobs>\d+ jobs\b[^\n]*)\.$", re.M | re.S)
+_EXAMPLE = re.compile(
+    r"^## (?P<name>.+?)$.*?```yaml\n(?P<patch>.*?)```\n\n(?P<jobs>\d+ jobs\b[^\n]*)\.$", re.M | re.S
+)
 
 
 @dataclass(frozen=True)

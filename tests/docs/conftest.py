@@ -68,3 +68,17 @@ def in_repository(repository: Path, environment: Mapping[str, str]) -> Callable[
         return printed
 
     return call
+
+
+@pytest.fixture
+def in_folder() -> Callable[..., str]:
+    """A function that runs a command that fails, in a folder, and returns what it prints."""
+
+    def call(folder: Path, *arguments: str, **variables: str) -> str:
+        done = subprocess.run(
+            arguments, cwd=folder, env={**os.environ, **variables}, capture_output=True, text=True, check=False
+        )
+        assert done.returncode != 0
+        return done.stdout + done.stderr
+
+    return call

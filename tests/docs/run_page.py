@@ -1,7 +1,7 @@
 """Do what a page says, from its first block to its last, in the current folder: `python -m tests.docs.run_page PAGE`.
 
-Python blocks share one namespace. What a reader does once and for all, or for hours, is only looked at: `make test` and
-the like print what they would do.
+Python blocks share one namespace. What a reader does once and for all, or for hours, is only looked at: `make test`
+and the like print what they would do.
 """
 
 from __future__ import annotations
