@@ -14,7 +14,7 @@ PYTHON := $(VENV)/bin/python
 SOURCES := data_collection features model evaluation workflow tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study smoke snakemake-report compare verify cache-info cache-clean test test-slow lint format bench lock reference clean
+.PHONY: help setup study smoke snakemake-report compare verify cache-info cache-clean test test-slow lint format bench docs lock reference clean
 
 help:
 	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=$(CORES)] [CACHE=folder]  run a study"
@@ -23,7 +23,7 @@ help:
 	@echo "make verify [OUT=$(OUT)]   hash every artifact again: what is missing, changed or unexplained"
 	@echo "make cache-info | cache-clean [CACHE=folder]   the cache of artifacts that all runs share"
 	@echo "make snakemake-report [CONFIG=…] [OUT=…]   the study, and Snakemake's own report of it (workflow, run times, results)"
-	@echo "make test | test-slow | lint | format | bench"
+	@echo "make test | test-slow | lint | format | bench | docs"
 	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
 	@echo "make reference   run the study and keep its tables and figures in results/reference"
 	@echo "make clean   remove results but results/reference"
@@ -87,6 +87,9 @@ format: $(READY)
 
 bench: $(READY)
 	$(PYTHON) -m benchmarks --out $(OUT)/bench
+
+docs: $(READY)
+	$(PYTHON) -m workflow.reference docs/config.md
 
 # pip-compile resolves with pip itself; a local build label such as +cpu is on no public index, and is left out.
 lock:
