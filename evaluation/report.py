@@ -145,7 +145,7 @@ def _files(paths: Iterable[str]) -> str:
 
 
 def figures(paths: Sequence[Path], experiments: Collection[str]) -> Section:
-    """All figures with their captions, each under its file's name as anchor.
+    """All figures with their captions, each under its file's path as anchor: tables have such names, too.
 
     Args:
         paths: `figures/{experiment}_{figure}.png`, or another kind of image.
@@ -162,7 +162,7 @@ def _figure_part(path: Path, experiments: Collection[str]) -> Part:
     shown = image(content, path.suffix, f"{title}. {figure.caption}".strip()) if fits else escape(where)
     text = escape(caption(figure))
     body = f'<figure><a href="{escape(where)}">{shown}</a><figcaption>{text}</figcaption></figure>'
-    return Part(path.stem if path.suffix == ".png" else path.name, title, body)
+    return Part(where, title, body)
 
 
 def diagnostics(chains: Mapping[str, pd.DataFrame]) -> Section:

@@ -91,7 +91,7 @@ def whole(
     """A report with every section."""
     sections = [
         report.about("own.yaml", dict.fromkeys(EXPERIMENTS, "simulated trials"), scores),
-        report.claims(claimed, claimed, {path.stem for path in (*tables, *figures)}),
+        report.claims(claimed, claimed, {path.stem for path in tables}),
         report.tables(tables),
         report.figures(figures, EXPERIMENTS),
         report.diagnostics({"own_D5": CHAINS}),

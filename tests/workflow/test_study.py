@@ -47,8 +47,9 @@ def test_every_stage_left_its_artifacts(finished: Path) -> None:
 @needs_chromium
 def test_the_report_shows_every_table_and_figure(finished: Path, tmp_path: Path) -> None:
     seen = look(finished / "report.html", tmp_path)
-    tables, figures = finished.glob("tables/*.html"), list(finished.glob("figures/*.png"))
-    assert {path.stem for path in (*tables, *figures)} <= set(seen.anchors)
+    tables = {path.stem for path in finished.glob("tables/*.html")}
+    figures = {f"figures/{path.name}" for form in ("png", "gif") for path in finished.glob(f"figures/*.{form}")}
+    assert tables | figures <= set(seen.anchors)
     assert (seen.images, seen.broken_images, seen.silent_images) == (len(figures), [], 0)
     assert (seen.lost_links, seen.fetched) == ([], [])
 

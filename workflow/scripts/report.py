@@ -17,7 +17,7 @@ with job(snakemake):
     texts = [pd.read_csv(path, dtype=str, keep_default_na=False) for path in files.claims]
     chains = {Path(path).stem: pd.read_csv(path) for path in files.diagnostics}
     origins = {name: origin(own) for name, own in params.experiments.items()}
-    shown = {path.stem for path in (*tables, *figures)}
+    shown = {path.stem for path in tables}
     sections = [
         report.about(params.config, origins, read_scores([Path(files.scores)])),
         *([report.claims(texts[0], texts[1] if len(texts) > 1 else None, shown)] if texts else []),
