@@ -21,7 +21,7 @@ from model import Fit
 
 PAGE_WIDTH = 7.0
 """Width of a figure, inches; at this width no letter is smaller than 7 points."""
-DPI = 200
+DPI = 180
 STYLE: Any = {
     "font.size": 8,
     "axes.titlesize": 9,
@@ -135,7 +135,7 @@ def picture(image: NDArray[np.uint8]) -> Figure:
 def save_figure(figure: Figure, *paths: Path) -> None:
     """Write a figure as PNG or PDF, by the ending of each path; the same figure gives the same bytes.
 
-    A PNG has 32 shades of each of red, green and blue: nobody sees the difference, but noise in photographs takes
+    A PNG has 64 shades of each of red, green and blue: nobody sees the difference, but noise in photographs takes
     half the room.
     """
     for path in paths:
@@ -150,5 +150,5 @@ def save_figure(figure: Figure, *paths: Path) -> None:
 
 
 def coarse(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """An image with 32 shades a channel, black and white kept."""
-    return np.rint(np.rint(image / 255.0 * 31.0) / 31.0 * 255.0).astype(np.uint8)
+    """An image with 64 shades a channel, black and white kept."""
+    return np.rint(np.rint(image / 255.0 * 63.0) / 63.0 * 255.0).astype(np.uint8)

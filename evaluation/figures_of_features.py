@@ -29,7 +29,7 @@ def features_overview(seen: Overview, images: Sequence[Image], title: str) -> Fi
         title: experiment and condition.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(13, 17), layout="constrained")
+        figure = Figure(figsize=(10, 13), layout="constrained")
         figure.suptitle(f"What the robot sees and feels\n{title}")
         rows: Any = figure.subfigures(4, 1, height_ratios=(3.4, 3.0, 4.0, 3.2))
         _detections(rows[0], seen, images)

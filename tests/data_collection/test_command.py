@@ -1,10 +1,12 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
 from data_collection.__main__ import main
 from data_collection.mcap_log import Log, write_log
+from data_collection.show import animation, brief, save_gif
 
 
 @pytest.fixture
@@ -42,6 +44,18 @@ def test_show(log_path: Path, tmp_path: Path) -> None:
         assert strip.size[0] == 3 * 400
     with Image.open(tmp_path / "out/trial_0003.gif") as movie:
         assert getattr(movie, "n_frames", 1) > 2
+
+
+def test_a_brief_clip_ends_with_the_end_of_the_action(trials: list[Log], tmp_path: Path) -> None:
+    clip = brief(trials[2], pictures=4)
+    assert 3 <= len(clip) <= 4
+    everything = animation(trials[2], width=400, height=300, every=1)
+    assert np.array_equal(clip[0], everything[0])
+    assert np.array_equal(clip[-1], everything[-1])
+    save_gif(tmp_path / "clip.gif", clip, rate=4.0, hold=2.0)
+    with Image.open(tmp_path / "clip.gif") as movie:
+        movie.seek(getattr(movie, "n_frames", 1) - 1)
+        assert movie.info["duration"] == 2250
 
 
 def test_export(log_path: Path, tmp_path: Path) -> None:

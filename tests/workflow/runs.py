@@ -11,7 +11,7 @@ from pathlib import Path
 
 from workflow.provenance import ROOT
 
-ARTIFACTS = (".mcap", ".parquet", ".npz", ".csv", ".md", ".tex", ".html", ".png")
+ARTIFACTS = (".mcap", ".parquet", ".npz", ".csv", ".md", ".tex", ".html", ".png", ".pdf", ".gif")
 
 
 def command(config: Path, out: Path, *more: str, cache: Path | None = None) -> list[str]:

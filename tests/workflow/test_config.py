@@ -28,13 +28,15 @@ OVERRIDES: dict[str, Any] = {
             "V0": 0.5,
             "nu0_minus_dim": 3.0,
             "K": 7,
+            "only": {"methods": ["proposed"], "D": [20], "ROW": [0]},
         }
     },
+    "figure": {"variant": "small_alpha", "method": "proposed", "D": 20, "ROW": 0},
     "data": "simulator",
     "trials": 40,
     "D": [20],
     "ROW": [0],
-    "generation": {"sentences": 12, "D": [20], "ROW": [0]},
+    "generation": {"sentences": 12, "D": [20], "ROW": [0], "rated": 1},
     "description": {"actions": 12, "D": [20], "ROW": [0]},
     "features": {"trials": "trials.parquet", "objects": "objects.parquet"},
     "logs": "logs",
@@ -113,6 +115,33 @@ def test_broken_key_is_named(path: tuple[str | int, ...], broken: dict[str, Any]
             "7 is not run (allowed: 6, from experiments.own.D)",
         ),
         ({"description": {"ROW": [0, 5]}}, "experiments.own.description.ROW[1]", "5 is not run (allowed: 0"),
+        ({"figure": {"D": 7}}, "experiments.own.figure.D", "7 is not run (allowed: 6, from experiments.own.D)"),
+        ({"figure": {"variant": "few"}}, "experiments.own.figure.variant", "few is not run (allowed: default"),
+        (
+            {"methods": ["mmlda"], "figure": {"method": "proposed"}},
+            "experiments.own.figure.method",
+            "proposed is not run (allowed: mmlda, from experiments.own.methods)",
+        ),
+        (
+            {"variants": {"few": {"only": {"ROW": [0, 9]}}}},
+            "experiments.own.variants.few.only.ROW[1]",
+            "9 is not run (allowed: 0, from experiments.own.ROW)",
+        ),
+        (
+            {"methods": ["mmlda"], "variants": {"few": {"only": {"methods": ["proposed"]}}}},
+            "experiments.own.variants.few.only.methods[0]",
+            "proposed is not run (allowed: mmlda, gmm",
+        ),
+        (
+            {"D": [6, 8], "variants": {"few": {"only": {"D": [8]}}}},
+            "experiments.own.D[0]",
+            "6 is run for no variant",
+        ),
+        (
+            {"D": [6, 8], "variants": {"a": {}, "b": {"only": {"D": [8]}}}, "figure": {"variant": "b", "D": 6}},
+            "experiments.own.figure",
+            "no fit has variant b, D 6 (allowed: ",
+        ),
         ({"data": "own"}, "experiments.own.data", "is no other experiment"),
         ({"data": "other"}, "experiments.own.data", "'other' is no other experiment (allowed: there is none)"),
         ({"features": {"trials": "a", "objects": "b"}, "logs": "c"}, "experiments.own", "features and logs exclude"),
@@ -196,6 +225,51 @@ def test_the_paths_of_the_fits() -> None:
     assert {c.inference for c in both} == {"blocked", "blocked_averaged100", "collapsed"}
     assert "fits/own/narrow/mmlda/blocked_averaged100/D6/ROW40/seed2.npz" in paths
     assert "fits/own/narrow/gmm/blocked/D6/ROW100/seed1.npz" in paths
+
+
+def test_a_variant_is_run_only_where_it_says() -> None:
+    few = {"K": 5, "only": {"methods": ["proposed"], "D": [8], "ROW": [40]}}
+    own = study(minimal(D=[6, 8], ROW=[0, 40], seeds=2, variants={"default": {}, "few": few}))
+    conditions = list(own.conditions("own"))
+    assert [c.path for c in conditions if c.variant == "few"] == [
+        f"fits/own/few/proposed/blocked/D8/ROW40/seed{seed}.npz" for seed in (1, 2)
+    ]
+    assert len(conditions) == 2 * 2 * (3 * 2 + 1) + 2  # of the other variant all, ALL included
+    assert own.experiments["own"].priors("few")["action"] == {"categories": 5}
+
+
+def test_only_speaks_of_the_reference_by_its_name() -> None:
+    def methods(**only: Any) -> set[str]:
+        own = study(minimal(ROW=[0, 40], variants={"few": {"only": only}}))
+        return {condition.method for condition in own.conditions("own")}
+
+    assert methods(ROW=[40]) == {"proposed", "no_mec2", "mmlda", "gmm"}
+    assert methods(methods=["mmlda"]) == {"mmlda"}
+    assert methods(methods=["mmlda", "gmm"]) == {"mmlda", "gmm"}
+
+
+def test_the_fit_that_figures_show() -> None:
+    variants = {"default": {}, "few": {"K": 5, "only": {"methods": ["mmlda"], "D": [6]}}}
+
+    def shown(**figure: Any) -> tuple[str, str, int, int]:
+        own = study(minimal(D=[6, 8], ROW=[0, 40], variants=variants, figure=figure))
+        condition = own.figure_condition("own")
+        assert condition is not None
+        assert [one.seed for one in own.seeds(condition)] == list(range(1, 11))
+        return condition.variant, condition.method, condition.D, condition.ROW
+
+    assert shown() == ("default", "proposed", 8, 0)
+    assert shown(ROW=40) == ("default", "proposed", 8, 40)
+    assert shown(variant="few") == ("few", "mmlda", 6, 0)
+    assert shown(method="no_mec2", D=6) == ("default", "no_mec2", 6, 0)
+
+
+def test_the_fit_whose_actions_are_shown() -> None:
+    own = study(minimal(D=[6, 8], ROW=[0, 40], generation={"D": [6, 8], "ROW": [40]}))
+    condition = own.generation_condition("own")
+    assert condition is not None
+    assert (condition.method, condition.D, condition.ROW) == ("proposed", 8, 40)
+    assert study(minimal(generation={"sentences": 0})).generation_condition("own") is None
 
 
 def test_hyperparameters_by_channel() -> None:

@@ -10,6 +10,7 @@ import sys
 import time
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import yaml
 
@@ -38,10 +39,24 @@ def test_every_stage_left_its_artifacts(finished: Path) -> None:
     assert {f"tables/simulator_csl.{form}" for form in ("csv", "md", "tex", "html")} <= set(found)
     assert {"claims.csv", "claims_comparisons.csv", "claims.html"} <= set(found)
     assert "tables/simulator_csl_differences.csv" in found
-    assert {"figures/simulator_words.png", "figures/simulator_positions.png", "scores.csv"} <= set(found)
     assert {f"tables/simulator_uncertain.{form}" for form in ("csv", "md", "tex", "html")} <= set(found)
     assert {f"figures/simulator_{name}.png" for name in ("uncertain", "instructions")} <= set(found)
     assert "generation/simulator/default/proposed/blocked/D6/ROW0/seed1/scores.csv" in found
+    assert "scores.csv" in found
+    shown = ("words", "positions", "object_categories", "color_categories", "generation", "objects")
+    shown += ("confusion_proposed", "confusion_mmlda")
+    assert {f"figures/simulator_{name}.{form}" for name in shown for form in ("png", "pdf")} <= set(found)
+    assert {f"figures/simulator_{name}" for name in ("action.gif", "trials.png", "features.png")} <= set(found)
+    # 2 methods × 2 instructions.
+    assert {f"ratings/simulator/clips/clip_{number:03}.gif" for number in range(1, 5)} <= set(found)
+    assert {"ratings/simulator/form.csv", "ratings/simulator/index.html", "ratings/simulator_key.csv"} <= set(found)
+
+
+def test_the_counts_of_confusions_are_those_of_the_descriptions(finished: Path) -> None:
+    described = pd.read_csv(finished / "descriptions" / "simulator_D6.csv")
+    counts = pd.read_csv(finished / "confusion" / "simulator_D6.csv")
+    keys = ["method", "ROW"]
+    assert counts.groupby(keys)["count"].sum().to_dict() == described.groupby(keys).size().to_dict()
 
 
 @needs_chromium
@@ -157,8 +172,10 @@ def test_only_new_conditions_run(finished: Path, tmp_path: Path) -> None:
     # 2 methods: ROW 80 × 3 seeds, ROW 0 and 40 × the new seed; ALL × the new seed.
     assert ran.pop("fit") == 2 * 3 + 2 * 2 + 1
     assert ran.pop("generate") == 2 * 1  # 2 methods × the new seed at ROW 0
+    assert ran.pop("figure_of_confusion") == 2
     sums = ("evaluate_learning", "describe", "evaluate_generation", "diagnose", "scores", "tables", "figure_of_fit")
     sums += ("claims", "uncertain", "present_uncertain", "figure_of_instructions", "report")
+    sums += ("figure_of_categories", "count_confusions", "figure_of_generation", "ratings")
     assert ran == dict.fromkeys((*sums, "all"), 1)
     after = hashes(out)
     kept = [name for name in before if name.split("/")[0] in ("mcap", "percepts", "features", "fits")]
