@@ -197,7 +197,7 @@ class Copy:
 def project(tmp_path: Path) -> Copy:
     for name in ("data_collection", "features", "model", "evaluation", "workflow", "config"):
         shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("Snakefile", "environment.lock"):
+    for name in ("Snakefile", "environment.lock", "pyproject.toml"):
         shutil.copy(ROOT / name, tmp_path)
     (tmp_path / "out").mkdir()
     return Copy(tmp_path)
