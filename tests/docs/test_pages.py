@@ -14,7 +14,6 @@ from tests.docs.pages import PAGES, ROOT, blocks, matches
 from workflow.reference import reference
 
 RUN = [page for page in PAGES if any(block.runs for block in blocks(page.read_text(encoding="utf-8")))]
-OTHER_TEST = {"faq.md", "conditions.md"}  # run example by example: test_faq, test_conditions
 
 
 def name(page: Path) -> str:
@@ -22,7 +21,7 @@ def name(page: Path) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", [page for page in RUN if page.name not in OTHER_TEST], ids=name)
+@pytest.mark.parametrize("page", RUN, ids=name)
 def test_what_a_page_says_can_be_done(page: Path, in_repository: Callable[..., str]) -> None:
     in_repository(sys.executable, "-m", "tests.docs.run_page", str(page))
 
