@@ -148,7 +148,13 @@ def test_lineage_of_a_table(finished: Path) -> None:
 def test_an_interrupt_stops_the_run_and_its_jobs(tmp_path: Path) -> None:
     out = tmp_path / "out"
     with subprocess.Popen(
-        command(SMOKE, out), cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+        command(SMOKE, out),
+        cwd=ROOT,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+        # A shell has its background jobs ignore interrupts, and so would all that these tests start.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     ) as process:
         while not (out / "joblogs" / "collect").exists():
             time.sleep(0.1)
