@@ -102,9 +102,10 @@ lock:
 
 # What is committed of a full run, for people who want to look before they run.
 reference: study
-	@mkdir -p results/reference
 	@rm -rf results/reference/tables results/reference/figures
-	@cp -r $(OUT)/tables $(OUT)/figures $(OUT)/scores.csv $(OUT)/claims*.csv results/reference/
+	@mkdir -p results/reference/figures
+	@cp $(OUT)/figures/*.png $(OUT)/figures/*.gif results/reference/figures/
+	@cp -r $(OUT)/tables $(OUT)/scores.csv $(OUT)/claims*.csv results/reference/
 
 clean:
 	@find results -mindepth 1 -maxdepth 1 ! -name reference -exec rm -rf {} + 2>/dev/null || true
