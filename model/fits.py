@@ -127,9 +127,12 @@ def save(fit: Fit, path: Path) -> None:
             arrays[f"history_z_{channel.name}"] = fit.history.z[c]
     # Named by the process: one that was orphaned by a kill may still be writing the same fit.
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    with temporary.open("wb") as file:
-        np.savez_compressed(file, **arrays)
-    temporary.replace(path)
+    try:
+        with temporary.open("wb") as file:
+            np.savez_compressed(file, **arrays)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def load(path: Path) -> Fit:

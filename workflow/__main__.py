@@ -20,7 +20,7 @@ def main() -> int:
     arguments = _parser().parse_args()
     try:
         return _command(arguments)
-    except (ConfigError, ValueError) as error:
+    except (ConfigError, ValueError, OSError) as error:
         sys.stderr.write(f"{error}\n")
         return WRONG
 

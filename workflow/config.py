@@ -17,8 +17,11 @@ from jsonschema.validators import extend
 from referencing import Registry
 from referencing.jsonschema import DRAFT202012
 
+from features.files import replacing
+
 SCHEMAS = Path(__file__).parent / "schemas"
 SIZE_LIMIT = 1_000_000
+COPY = ".config.yaml"  # in the output folder
 
 
 class ConfigError(ValueError):
@@ -48,6 +51,29 @@ def read_config(path: Path) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise ConfigError(str(path), ["must be a mapping that begins with keys such as `experiments:`"])
     return data
+
+
+def keep_config(path: Path, out: Path) -> Path:
+    """Copy a config into an output folder, so that all processes of a run read the same, whoever edits the file.
+
+    Returns:
+        The copy, of which `origin` tells where it came from.
+
+    Raises:
+        ConfigError: the file cannot be read, or is no plain YAML.
+    """
+    copy = out / COPY
+    with replacing(copy, copy.with_suffix(".origin")) as (content, origin_file):
+        content.write_bytes(path.read_bytes())
+        origin_file.write_text(str(path.resolve()), encoding="utf-8")
+    read_config(copy)  # the file may have changed since it was checked
+    return copy
+
+
+def origin(path: Path) -> Path:
+    """The file that a config was copied from, to whose folder its paths are relative; itself if it is no copy."""
+    note = path.with_suffix(".origin")
+    return Path(note.read_text(encoding="utf-8")) if path.name == COPY and note.is_file() else path
 
 
 class _StrictLoader(yaml.SafeLoader):

@@ -11,12 +11,12 @@ import os
 import sys
 import traceback
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from workflow.keys import by_role
-from workflow.records import record_path, records_of_job, verified_inputs, write_record
+from workflow.records import FULL, DamagedError, record_path, records_of_job, verified_inputs, write_record
 
 OUT = Path()  # Snakemake runs jobs in the output folder
 
@@ -52,12 +52,22 @@ def job(snakemake: Any) -> Iterator[None]:
             with recorded(snakemake):
                 yield
         except Exception as error:
-            traceback.print_exc()
-            print(f"{type(error).__name__}: {error}\n(more in {log})", file=screen, flush=True)
+            print(f"{type(error).__name__}: {error}{_where_full(error)}\n(more in {log})", file=screen, flush=True)
+            with suppress(OSError):  # the log may be on a full disk
+                traceback.print_exc()
             raise SystemExit(1) from None
         finally:
-            sys.stdout.flush()
-            sys.stderr.flush()
+            with suppress(OSError):
+                sys.stdout.flush()
+                sys.stderr.flush()
+
+
+def _where_full(error: Exception) -> str:
+    """Which disk is full, if that is the error: the message of the system does not name it."""
+    if not isinstance(error, OSError) or error.errno not in FULL:
+        return ""
+    where = error.filename or OUT.resolve()
+    return f"\nthe disk of {where} is full; make room and run again, which goes on from here"
 
 
 @contextmanager
@@ -65,13 +75,17 @@ def recorded(snakemake: Any) -> Iterator[None]:
     """Verify the inputs of a job, and record its outputs when all are in place.
 
     Raises:
-        DamagedError: an input is not what its record says.
+        DamagedError: an input is not what its record says, or changed while the job read it.
     """
     outputs = by_role(snakemake.output)
     for path in outputs.values():
         record_path(OUT, path).unlink(missing_ok=True)  # of what was there before
     inputs = verified_inputs(OUT, by_role(snakemake.input))
     yield
+    # Files from elsewhere have no record from which they could be seen to differ.
+    for role, each in verified_inputs(OUT, by_role(snakemake.input)).items():
+        if each != inputs[role]:
+            raise DamagedError(f"{each.path} changed while the job read it; run again")
     records = records_of_job(
         OUT, snakemake.rule, by_role(snakemake.wildcards), by_role(snakemake.params), inputs, outputs
     )

@@ -20,11 +20,11 @@ class Keeper:
     """Keeps an output folder in accord with a plan; its methods are the hooks of `workflow.dag`.
 
     Attributes:
-        artifacts: the paths of all artifacts of a study; None before it was planned for real and as a whole.
+        artifacts: the keys of all artifacts of a study by path; None before it was planned for real and as a whole.
     """
 
     def __init__(self, out: Path, store: Store) -> None:
-        self.artifacts: list[str] | None = None
+        self.artifacts: dict[str, str] | None = None
         self._out = out
         self._store = store
         self._keys: dict[str, str] = {}  # of jobs, by each output's path
@@ -60,7 +60,11 @@ class Keeper:
         _say(f"artifacts of {kept} jobs are kept, of {len(restored)} come from the cache, of {len(needed)} are made")
         if for_real:
             if plan.whole:
-                self.artifacts = [path for job in jobs for path in job.outputs.values()]
+                self.artifacts = {
+                    path: output_key(key, role)
+                    for job, key in zip(jobs, keys, strict=True)
+                    for role, path in job.outputs.items()
+                }
             self._keys = {path: key for job, key in zip(jobs, keys, strict=True) for path in job.outputs.values()}
             if restored or needed:
                 (self._out / MANIFEST).unlink(missing_ok=True)  # it speaks of another state

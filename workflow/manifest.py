@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from features.files import replacing
@@ -15,24 +15,31 @@ MANIFEST = "manifest.json"
 NO_ARTIFACTS = ("joblogs", "reference", "bench", MANIFEST)
 
 
-def write_manifest(out: Path, artifacts: Iterable[str], patience: float = 30.0) -> None:
+def write_manifest(out: Path, artifacts: Mapping[str, str], patience: float = 30.0) -> None:
     """Gather the records of artifacts in one file, in the order of their paths.
 
     Args:
         out: the output folder.
-        artifacts: their paths in it.
+        artifacts: the planned key of each by its path.
         patience: seconds to wait for records that other machines wrote, which a shared file system may show late.
 
     Raises:
-        ValueError: an artifact has no record.
+        ValueError: an artifact has no record, or was made of something else than planned.
     """
     entries = {}
+    unplanned = []
     until = time.monotonic() + patience
     for path in sorted(artifacts):
         record = await_record(out, path, until - time.monotonic())
         if record is None:
             raise ValueError(f"{path}: nothing says what made it (does its script run in `with job(snakemake)`?)")
         entries[path] = record.mapping()
+        unplanned += [path] if record.key != artifacts[path] else []
+    if unplanned:
+        raise ValueError(
+            f"a file, a setting or code changed while the study ran: {len(unplanned)} artifacts are made of "
+            f"something else than it began with (the first: {unplanned[0]}); run again, and they are made anew"
+        )
     with replacing(out / MANIFEST) as (temporary,):
         text = json.dumps({"artifacts": entries}, sort_keys=True, indent=1, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")

@@ -5,6 +5,7 @@ A record is written when its artifact is complete; every reader of the artifact 
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import shutil
@@ -20,6 +21,7 @@ from features.files import replacing
 from workflow.keys import hash_of, job_key, output_key, plain
 
 FOLDER = ".artifacts"
+FULL = (errno.ENOSPC, errno.EDQUOT)  # how the system says that a disk, or somebody's share of it, is full
 PATIENCE = 10.0  # seconds to wait for the record of an input, which another machine may have written
 
 

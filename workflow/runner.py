@@ -12,12 +12,14 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from workflow import dag
+from workflow.config import keep_config
 from workflow.keeping import Keeper
 from workflow.manifest import write_manifest
 from workflow.provenance import ROOT
 from workflow.store import Store
 
 FAILED, BUSY = 1, 3
+LEAST_ROOM = 2**18  # bytes; without them Snakemake cannot even write its notes
 
 
 def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) -> int:
@@ -41,6 +43,9 @@ def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) 
             sys.stderr.write(f"{out}: another study is running in this folder; wait for it, or name another --out\n")
             return BUSY
         _remove_parts(out)
+        if _is_full(out):
+            return FAILED
+        config = keep_config(config, out)
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
         keeper = Keeper(out, store)
         status = dag.run([*dag.command_line(config, out, cores), *more], dag.Hooks(keeper.decide, keeper.finished))
@@ -50,12 +55,29 @@ def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) 
             except ValueError as error:
                 sys.stderr.write(f"{error}\n")
                 status = FAILED
+            except OSError as error:
+                sys.stderr.write(f"{out}: the manifest cannot be written ({error})\n")
+                status = FAILED
             store.trim()
+        if status != 0:
+            _is_full(out)
         return status
+
+
+def _is_full(out: Path) -> bool:
+    """Whether there is no room left where the output folder is; that is said."""
+    free = shutil.disk_usage(out).free
+    if free < LEAST_ROOM:
+        sys.stderr.write(
+            f"{out}: the disk is full ({free // 1024} KiB are free, {LEAST_ROOM // 1024} KiB are the least); "
+            "make room and run again, which goes on from here\n"
+        )
+    return free < LEAST_ROOM
 
 
 def _show_warnings() -> None:
     """Show what our own modules warn of, apart from what Snakemake logs."""
+    logging.raiseExceptions = False  # on a full disk Snakemake would tell of each line that its log file misses
     handler = logging.StreamHandler()
     handler.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
     logger = logging.getLogger("workflow")

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from workflow.keys import hash_of
-from workflow.records import Record, content, remove, write_record
+from workflow.records import FULL, Record, content, remove, write_record
 
 DEFAULT_GIB = 10.0
 ABANDONED = 24 * 3600.0  # seconds after which a temporary folder is what a killed process left
@@ -161,7 +161,11 @@ class Store:
             self._damaged(entry, str(error))
             return False
         except OSError as error:
-            self._close("read", error)
+            if error.errno in FULL:  # what is written to is the output folder
+                self._closed.add("read")
+                _logger.warning("%s: no room for what the cache holds (%s)", out, error.strerror)
+            else:
+                self._close("read", error)
             return False
         with suppress(OSError):  # read-only: then nobody cleans up by age either
             os.utime(entry / "entry.json")

@@ -1,4 +1,4 @@
-"""A finished smoke study, and folders in which a page's commands find what a reader's find."""
+"""Folders in which a page's commands find what a reader's find."""
 
 from __future__ import annotations
 
@@ -9,25 +9,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
-from filelock import FileLock
 
 from tests.docs.pages import ROOT
-from tests.workflow.runs import run
+from tests.workflow.runs import SMOKE
 
-SMOKE = ROOT / "config" / "smoke.yaml"
 COPIED = ("config", "docs")  # what a command may write to
-
-
-@pytest.fixture(scope="session")
-def finished(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The output folder of a finished smoke study, made once a test run."""
-    base = tmp_path_factory.getbasetemp()
-    base = base.parent if hasattr(request.config, "workerinput") else base
-    out = base / "docs_smoke"
-    with FileLock(f"{out}.lock"):
-        if not (out / "scores.csv").is_file():
-            run(SMOKE, out)
-    return out
 
 
 @pytest.fixture

@@ -6,11 +6,14 @@ import hashlib
 import re
 import subprocess
 import sys
+import time
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 from workflow.provenance import ROOT
 
+SMOKE = ROOT / "config" / "smoke.yaml"
 ARTIFACTS = (".mcap", ".parquet", ".npz", ".csv", ".md", ".tex", ".html", ".png", ".pdf", ".gif")
 
 
@@ -27,6 +30,23 @@ def run(config: Path, out: Path, *more: str, succeeds: bool = True, cache: Path 
     printed = done.stdout + done.stderr
     assert (done.returncode == 0) is succeeds, printed
     return printed
+
+
+def start(config: Path, out: Path, *more: str, cache: Path | None = None, root: Path = ROOT) -> subprocess.Popen[str]:
+    """Start a study in a process group of its own."""
+    line = command(config, out, *more, cache=cache)
+    return subprocess.Popen(
+        line, cwd=root, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
+    )
+
+
+def wait_until(true: Callable[[], bool], process: subprocess.Popen[str], patience: float = 300.0) -> None:
+    """Wait until something is true of what a running study does, looking often."""
+    until = time.monotonic() + patience
+    while not true():
+        assert process.poll() is None, "the study ended before that"
+        assert time.monotonic() < until, f"not true within {patience} s"
+        time.sleep(0.01)
 
 
 def jobs(printed: str) -> Counter[str]:

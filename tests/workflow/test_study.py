@@ -1,4 +1,4 @@
-"""The smoke study, run for real: same bytes everywhere, only what is new is run, kills are survived."""
+"""The smoke study, run for real: same bytes everywhere, only what is new is run."""
 
 from __future__ import annotations
 
@@ -15,19 +15,10 @@ import pytest
 import yaml
 
 from tests.browser import look, needs_chromium
-from tests.workflow.runs import command, hashes, jobs, run
+from tests.workflow.runs import SMOKE, command, hashes, jobs, run
 from workflow.provenance import ROOT
 
-SMOKE = ROOT / "config" / "smoke.yaml"
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The output folder of a finished smoke study."""
-    out = tmp_path_factory.mktemp("smoke") / "out"
-    run(SMOKE, out)
-    return out
 
 
 def test_every_stage_left_its_artifacts(finished: Path) -> None:
@@ -186,22 +177,6 @@ def test_only_new_conditions_run(finished: Path, tmp_path: Path) -> None:
     after = hashes(out)
     kept = [name for name in before if name.split("/")[0] in ("mcap", "percepts", "features", "fits")]
     assert {name: after[name] for name in kept} == {name: before[name] for name in kept}
-
-
-@pytest.mark.parametrize("seconds", [8.0, 14.0, 20.0])
-def test_a_killed_study_ends_with_the_same_bytes(finished: Path, tmp_path: Path, seconds: float) -> None:
-    """SIGKILL of Snakemake alone: its jobs live on as orphans while the study is started again."""
-    out = tmp_path / "out"
-    with subprocess.Popen(
-        command(SMOKE, out), cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    ) as process:
-        time.sleep(seconds)
-        process.send_signal(signal.SIGKILL)
-    assert process.returncode == -signal.SIGKILL
-    assert hashes(out) != hashes(finished)
-    run(SMOKE, out)
-    assert hashes(out) == hashes(finished)
-    assert not list(out.rglob("*.part"))
 
 
 def test_two_studies_at_once_in_one_folder(tmp_path: Path) -> None:

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import sys
+from collections.abc import Callable, Collection, Sequence
+from contextlib import chdir
 from pathlib import Path
 from types import SimpleNamespace
+from unittest.mock import patch
 
 from snakemake.iocontainers import InputFiles, OutputFiles, Params, Wildcards
 
+from features.files import replacing
+from tests.workflow.runs import SMOKE
+from workflow import dag, runner
 from workflow import job as wrapper
-from workflow.dag import Job, Plan
+from workflow.dag import Hooks, Job, Plan
 from workflow.keeping import Keeper
 from workflow.manifest import write_manifest
+from workflow.records import FOLDER, DamagedError, remove
+from workflow.store import Store
 
 CODE = "code and lock"
 
@@ -26,8 +34,8 @@ def plan(seed: int = 1, out: str = "") -> list[Job]:
     ]
 
 
-def work(job: Job) -> None:
-    """Do a job as its script would, in the current folder."""
+def given(job: Job) -> SimpleNamespace:
+    """What Snakemake gives the script of a job."""
     names = {
         "rule": job.rule,
         "input": InputFiles(fromdict=job.inputs),
@@ -40,16 +48,60 @@ def work(job: Job) -> None:
             names["output"].append(path)
     if job.rule == "collect":
         names["output"]._set_name("logs", 0, 2)
-    with wrapper.recorded(SimpleNamespace(**names)):
+    return SimpleNamespace(**names)
+
+
+def work(job: Job) -> None:
+    """Do a job as its script would, in the current folder."""
+    with wrapper.recorded(given(job)):
         text = f"{job.rule} {job.parameters} " + " ".join(Path(path).read_text() for path in job.inputs.values())
         for path in map(Path, job.outputs.values()):
             path.parent.mkdir(parents=True, exist_ok=True)
             if path.name == "more":
                 path.mkdir()
-                (path / "one.txt").write_text(f"one {text}")
-                (path / "two.txt").write_text(f"two {text}")
+                written = {path / f"{name}.txt": f"{name} {text}" for name in ("one", "two")}
             else:
-                path.write_text(f"{path} {text}")
+                written = {path: f"{path} {text}"}
+            for file, content in written.items():
+                with replacing(file) as (temporary,):
+                    temporary.write_text(content)
+
+
+def run(out: Path, store: Store, jobs: list[Job] | None = None, after: Callable[[str], None] | None = None) -> int:
+    """Run the tiny study as `workflow.runner` runs a study; its status.
+
+    Args:
+        out: the output folder.
+        store: where artifacts are shared.
+        jobs: of the plan.
+        after: called with each rule when its job has finished.
+    """
+    jobs = jobs or plan()
+
+    def in_place_of_snakemake(arguments: Sequence[str], hooks: Hooks) -> int:
+        with chdir(out):
+            for i in sorted(hooks.decide(Plan(jobs))):
+                try:
+                    work(jobs[i])
+                except (OSError, DamagedError) as error:
+                    sys.stderr.write(f"{error}\n")
+                    for path in jobs[i].outputs.values():
+                        remove(out, path)
+                    return 1
+                hooks.finished(jobs[i])
+                if after is not None:
+                    after(jobs[i].rule)
+        return 0
+
+    with patch.object(dag, "run", in_place_of_snakemake):
+        return runner.run(SMOKE, out, 1, (), store)  # any config: the jobs are given
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """What a tiny study left: artifacts, records and the manifest, by path."""
+    left = {path.relative_to(folder): path for path in sorted(folder.rglob("*")) if path.is_file()}
+    hidden = [name for name in left if any(part.startswith(".") and part != FOLDER for part in name.parts)]
+    return {name.as_posix(): path.read_bytes() for name, path in left.items() if name not in hidden}
 
 
 def carry_out(keeper: Keeper, out: Path, jobs: list[Job], monkeypatch: object) -> list[str]:

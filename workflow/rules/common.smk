@@ -8,7 +8,7 @@ sys.path.insert(0, str(workflow.basedir))
 
 from snakemake.exceptions import WorkflowError
 
-from workflow.config import ConfigError
+from workflow.config import ConfigError, origin
 from workflow.provenance import code_hash, lock_hash
 from workflow.plan import plan
 from workflow.study import FIT_PATH, TASKS, averaged_draws, feature_files
@@ -19,7 +19,7 @@ SETS = ("train", "generation", "description")
 for library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA"):
     os.environ[f"{library}_NUM_THREADS"] = "1"
 
-CONFIG_FILE = Path(workflow.overwrite_configfiles[0] if workflow.overwrite_configfiles else workflow.configfiles[0])
+CONFIG_FILE = origin(Path((workflow.overwrite_configfiles or workflow.configfiles)[0]))
 
 try:
     study = plan(config, CONFIG_FILE)
