@@ -10,8 +10,10 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from subprocess import CalledProcessError
 from typing import Any
 
+from workflow import forks
 from workflow.keys import by_role, job_key, output_key
 from workflow.provenance import ROOT, code_hash, lock_hash
 
@@ -132,10 +134,11 @@ def keys_of(jobs: Sequence[Job], source_key: Callable[[str], str]) -> list[str]:
 
 @contextmanager
 def _hooked(hooks: Hooks) -> Iterator[None]:
-    """Put the hooks in place of two methods of Snakemake's DAG, for as long as the block lasts."""
+    """Put the hooks in place of two methods of Snakemake's DAG, and forks in place of its processes."""
     from snakemake.dag import DAG
+    from snakemake.script import PythonScript
 
-    update_needrun, finish = DAG.update_needrun, DAG.finish
+    update_needrun, finish, execute_script = DAG.update_needrun, DAG.finish, PythonScript.execute_script
 
     async def decided(dag: Any, create_inventory: bool = False) -> None:
         ordered = [job for level in dag.toposorted() for job in sorted(level, key=_name)]
@@ -148,6 +151,7 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
         )
         chosen = {tracked[i] for i in hooks.decide(plan)}
         if plan.for_real:
+            forks.preload({_script(job) for job in chosen})
             dag.workflow.iocache.deactivate()  # it has seen files that the decision removed, and missed restored ones
         for job in ordered:  # targets such as `all`, which do nothing but ask for files
             if job.is_norun and not chosen.isdisjoint(dag.dependencies[job]):
@@ -168,15 +172,25 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
                     hooks.finished(_job(dag, each))
         return result
 
-    DAG.update_needrun, DAG.finish = decided, finished
+    def execute(script: Any, fname: str, edit: bool = False) -> None:
+        status = forks.run(fname)
+        if status != 0:
+            raise CalledProcessError(status, script.path.get_filename())
+
+    DAG.update_needrun, DAG.finish, PythonScript.execute_script = decided, finished, execute
     try:
         yield
     finally:
-        DAG.update_needrun, DAG.finish = update_needrun, finish
+        DAG.update_needrun, DAG.finish, PythonScript.execute_script = update_needrun, finish, execute_script
+        forks.stop()
 
 
 def _name(job: Any) -> tuple[str, str]:
     return job.rule.name, str(sorted(by_role(job.wildcards).items()))
+
+
+def _script(job: Any) -> Path:
+    return SCRIPTS / Path(job.rule.script).name
 
 
 def _job(dag: Any, job: Any) -> Job:
@@ -188,7 +202,7 @@ def _job(dag: Any, job: Any) -> Job:
     rule = job.rule.name
     if not job.rule.script:
         raise ValueError(f"rule {rule} has no script: what it does would not be part of its key")
-    script = SCRIPTS / Path(job.rule.script).name
+    script = _script(job)
     parameters = by_role(job.params)
     if parameters.get("code") != code_hash(script) + lock_hash():
         raise ValueError(f"rule {rule}: its parameter code must be tracked({script.name!r}), the script that it runs")

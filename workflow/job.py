@@ -1,14 +1,16 @@
 """What every job does around its one call.
 
 Its output goes to its log, warnings and failures also to the screen; its inputs are compared with their records, and
-what it made is recorded.
+what it made is recorded. The last line of its log says what time it took.
 """
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 import sys
+import time
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,6 +21,7 @@ from workflow.keys import by_role
 from workflow.records import record_path, records_of_job, verified_inputs, write_record
 
 OUT = Path()  # Snakemake runs jobs in the output folder
+TOOK = "took "  # begins the last line of a job's log
 
 
 @contextmanager
@@ -35,6 +38,7 @@ def job(snakemake: Any) -> Iterator[None]:
         SystemExit: the job failed; the reason has been shown.
     """
     log = snakemake.log[0]
+    began, start_up = time.perf_counter(), time.process_time()  # the latter counts from the start of the process
     sys.stdout.flush()
     sys.stderr.flush()
     screen = os.fdopen(os.dup(2), "w")
@@ -56,6 +60,13 @@ def job(snakemake: Any) -> Iterator[None]:
             print(f"{type(error).__name__}: {error}\n(more in {log})", file=screen, flush=True)
             raise SystemExit(1) from None
         finally:
+            took = {
+                "rule": snakemake.rule,
+                "start_up": round(start_up, 3),
+                "processor": round(time.process_time(), 3),
+                "wall": round(time.perf_counter() - began, 3),
+            }
+            sys.stdout.write(f"{TOOK}{json.dumps(took)}\n")
             sys.stdout.flush()
             sys.stderr.flush()
 
