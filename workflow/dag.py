@@ -6,10 +6,13 @@ would go by times of files and by its own notes, of which a restored artifact ha
 
 from __future__ import annotations
 
+import logging
+import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from signal import Signals
 from subprocess import CalledProcessError
 from typing import Any
 
@@ -18,6 +21,8 @@ from workflow.keys import by_role, job_key, output_key
 from workflow.provenance import ROOT, code_hash, lock_hash
 
 SCRIPTS = ROOT / "workflow" / "scripts"
+# What Snakemake says before it lays out the jobs.
+CHATTER = ("Assuming unrestricted shared filesystem", "Building DAG of jobs")
 
 
 @dataclass(frozen=True)
@@ -30,6 +35,7 @@ class Job:
         parameters: `params` of the rule.
         inputs: path by role; relative to OUT where a job makes it, absolute where it comes from elsewhere.
         outputs: path by role, relative to OUT.
+        log: path of its log, relative to OUT.
         forced: the user asked Snakemake to run it in any case.
     """
 
@@ -38,7 +44,13 @@ class Job:
     parameters: dict[str, Any]
     inputs: dict[str, str]
     outputs: dict[str, str]
+    log: str = ""
     forced: bool = False
+
+    @property
+    def stage(self) -> str:
+        """What it is a part of: the folder of its log, or its name."""
+        return Path(self.log).with_suffix("").parts[1]
 
 
 @dataclass(frozen=True)
@@ -136,9 +148,11 @@ def keys_of(jobs: Sequence[Job], source_key: Callable[[str], str]) -> list[str]:
 def _hooked(hooks: Hooks) -> Iterator[None]:
     """Put the hooks in place of two methods of Snakemake's DAG, and forks in place of its processes."""
     from snakemake.dag import DAG
+    from snakemake.logging import LoggerManager
     from snakemake.script import PythonScript
 
     update_needrun, finish, execute_script = DAG.update_needrun, DAG.finish, PythonScript.execute_script
+    make_handler, calm = LoggerManager._default_streamhandler, _Calm()
 
     async def decided(dag: Any, create_inventory: bool = False) -> None:
         ordered = [job for level in dag.toposorted() for job in sorted(level, key=_name)]
@@ -151,6 +165,7 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
         )
         chosen = {tracked[i] for i in hooks.decide(plan)}
         if plan.for_real:
+            calm.running = True
             forks.preload({_script(job) for job in chosen})
             dag.workflow.iocache.deactivate()  # it has seen files that the decision removed, and missed restored ones
         for job in ordered:  # targets such as `all`, which do nothing but ask for files
@@ -174,15 +189,44 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
 
     def execute(script: Any, fname: str, edit: bool = False) -> None:
         status = forks.run(fname)
+        if status < 0:  # it could not say why by itself
+            sys.stderr.write(
+                f"rule {script.rulename} was ended by {Signals(-status).name}\n(more in {script.log[0]})\n"
+            )
         if status != 0:
             raise CalledProcessError(status, script.path.get_filename())
 
+    def handler(manager: Any) -> logging.Handler:
+        made: logging.Handler = make_handler(manager)
+        made.addFilter(calm)
+        return made
+
     DAG.update_needrun, DAG.finish, PythonScript.execute_script = decided, finished, execute
+    LoggerManager._default_streamhandler = handler
     try:
         yield
     finally:
         DAG.update_needrun, DAG.finish, PythonScript.execute_script = update_needrun, finish, execute_script
+        LoggerManager._default_streamhandler = make_handler
         forks.stop()
+
+
+class _Calm(logging.Filter):
+    """Keeps off the screen what Snakemake tells of each job: its own log, in OUT/.snakemake/log, has all of it.
+
+    Of a job that failed the job itself has told, so that Snakemake need not tell where it was called.
+
+    Attributes:
+        running: jobs are being run; before, and where none are, Snakemake may be asked a question, and answers.
+    """
+
+    running = False
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether a record is shown."""
+        if record.levelno >= logging.WARNING:
+            return getattr(record, "exception", "") != "RuleException" and getattr(record, "event", "") != "job_error"
+        return not self.running and not record.getMessage().startswith(CHATTER)
 
 
 def _name(job: Any) -> tuple[str, str]:
@@ -212,5 +256,6 @@ def _job(dag: Any, job: Any) -> Job:
         parameters=parameters,
         inputs={role: str(path) for role, path in by_role(job.input).items()},
         outputs={role: str(path) for role, path in by_role(job.output).items()},
+        log=str(job.log[0]),
         forced=job.rule in dag.forcerules or not dag.forcefiles.isdisjoint(job.output),
     )

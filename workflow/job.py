@@ -21,6 +21,7 @@ from workflow.keys import by_role
 from workflow.records import record_path, records_of_job, verified_inputs, write_record
 
 OUT = Path()  # Snakemake runs jobs in the output folder
+CLEAR = "\r\033[K"  # empties the line of a terminal, on which a run shows its progress
 TOOK = "took "  # begins the last line of a job's log
 
 
@@ -42,12 +43,13 @@ def job(snakemake: Any) -> Iterator[None]:
     sys.stdout.flush()
     sys.stderr.flush()
     screen = os.fdopen(os.dup(2), "w")
+    clear = CLEAR if screen.isatty() else ""
     with Path(log).open("w") as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
         to_screen = logging.StreamHandler(screen)
         to_screen.setLevel(logging.WARNING)
-        to_screen.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
+        to_screen.setFormatter(logging.Formatter(f"{clear}%(levelname)s %(message)s"))
         to_log = logging.StreamHandler(sys.stderr)
         logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s", handlers=[to_log])
         logging.getLogger().addHandler(to_screen)
@@ -57,11 +59,10 @@ def job(snakemake: Any) -> Iterator[None]:
                 yield
         except Exception as error:
             traceback.print_exc()
-            print(f"{type(error).__name__}: {error}\n(more in {log})", file=screen, flush=True)
+            print(f"{clear}{type(error).__name__}: {error}\n(more in {log})", file=screen, flush=True)
             raise SystemExit(1) from None
         finally:
             took = {
-                "rule": snakemake.rule,
                 "start_up": round(start_up, 3),
                 "processor": round(time.process_time(), 3),
                 "wall": round(time.perf_counter() - began, 3),
@@ -69,6 +70,19 @@ def job(snakemake: Any) -> Iterator[None]:
             sys.stdout.write(f"{TOOK}{json.dumps(took)}\n")
             sys.stdout.flush()
             sys.stderr.flush()
+
+
+def time_of(log: Path) -> dict[str, float] | None:
+    """The seconds that a job took, from the last line of its log; None where there is none.
+
+    `wall` is the time from when its inputs were looked at; `processor` is that of its whole process, `start_up` what
+    of it was spent before.
+    """
+    try:
+        line = log.read_text(encoding="utf-8", errors="replace").rstrip().rpartition("\n")[2]
+        return dict(json.loads(line.removeprefix(TOOK))) if line.startswith(TOOK) else None
+    except (OSError, ValueError):
+        return None
 
 
 @contextmanager
