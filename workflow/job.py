@@ -62,14 +62,15 @@ def job(snakemake: Any) -> Iterator[None]:
             print(f"{clear}{type(error).__name__}: {error}\n(more in {log})", file=screen, flush=True)
             raise SystemExit(1) from None
         finally:
-            took = {
-                "start_up": round(start_up, 3),
-                "processor": round(time.process_time(), 3),
-                "wall": round(time.perf_counter() - began, 3),
-            }
-            sys.stdout.write(f"{TOOK}{json.dumps(took)}\n")
+            sys.stdout.write(time_line(start_up, time.perf_counter() - began))
             sys.stdout.flush()
             sys.stderr.flush()
+
+
+def time_line(start_up: float, wall: float) -> str:
+    """What time this process took until now, as the last line of a log; the arguments are those of `time_of`."""
+    took = {"start_up": start_up, "processor": time.process_time(), "wall": wall}
+    return f"{TOOK}{json.dumps({name: round(value, 3) for name, value in took.items()})}\n"
 
 
 def time_of(log: Path) -> dict[str, float] | None:

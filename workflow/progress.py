@@ -55,6 +55,11 @@ class Progress:
             self._told = now
             self._write(stage)
 
+    @property
+    def done(self) -> int:
+        """How many jobs have ended well."""
+        return self._done.total()
+
     def end(self) -> None:
         """The run has ended, well or not: what is written next begins a line."""
         if self._stream.isatty() and self._done.total() + self._left.total():

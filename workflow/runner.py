@@ -7,12 +7,13 @@ import logging
 import os
 import shutil
 import sys
+import time
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from workflow import dag
-from workflow.job import time_of
+from workflow.job import time_line, time_of
 from workflow.keeping import Keeper
 from workflow.manifest import write_manifest
 from workflow.progress import Progress
@@ -45,9 +46,12 @@ def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) 
             return BUSY
         _remove_parts(out)
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
+        began = time.monotonic()
         keeper, progress = Keeper(out, store), Progress()
         status = dag.run([*dag.command_line(config, out, cores), *more], _hooks(out, keeper, progress))
         progress.end()
+        if progress.done:  # what it took to lay out, start and keep the jobs
+            (out / "joblogs" / "workflow.log").write_text(time_line(0.0, time.monotonic() - began), encoding="utf-8")
         if status == 0 and keeper.artifacts is not None:
             try:
                 write_manifest(out, keeper.artifacts)
