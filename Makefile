@@ -86,6 +86,7 @@ format: $(READY)
 	$(VENV)/bin/snakefmt Snakefile workflow/rules
 
 bench: $(READY)
+	$(PYTHON) -m benchmarks.jobs $(OUT) --out $(OUT)/bench
 	$(PYTHON) -m benchmarks --out $(OUT)/bench
 
 docs: $(READY)

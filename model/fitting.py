@@ -100,6 +100,12 @@ def prepare() -> None:
     compile_once(_warm_up)
 
 
+def load_compiled() -> None:
+    """Load everything that is compiled into this process, and compile it before if need be."""
+    prepare()
+    _warm_up()
+
+
 def annealed(temperature: float, iteration: int, iterations: int) -> float:
     """The temperature of an iteration 0, 1, …: from `temperature` linearly to 1 over the first half."""
     half = iterations // 2

@@ -6,16 +6,23 @@ would go by times of files and by its own notes, of which a restored artifact ha
 
 from __future__ import annotations
 
+import logging
+import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from signal import Signals
+from subprocess import CalledProcessError
 from typing import Any
 
+from workflow import forks
 from workflow.keys import by_role, job_key, output_key
 from workflow.provenance import ROOT, code_hash, lock_hash
 
 SCRIPTS = ROOT / "workflow" / "scripts"
+# What Snakemake says before it lays out the jobs.
+CHATTER = ("Assuming unrestricted shared filesystem", "Building DAG of jobs")
 
 
 @dataclass(frozen=True)
@@ -28,6 +35,7 @@ class Job:
         parameters: `params` of the rule.
         inputs: path by role; relative to OUT where a job makes it, absolute where it comes from elsewhere.
         outputs: path by role, relative to OUT.
+        log: path of its log, relative to OUT.
         forced: the user asked Snakemake to run it in any case.
     """
 
@@ -36,7 +44,13 @@ class Job:
     parameters: dict[str, Any]
     inputs: dict[str, str]
     outputs: dict[str, str]
+    log: str = ""
     forced: bool = False
+
+    @property
+    def stage(self) -> str:
+        """What it is a part of: the folder of its log, or its name."""
+        return Path(self.log).with_suffix("").parts[1]
 
 
 @dataclass(frozen=True)
@@ -132,10 +146,13 @@ def keys_of(jobs: Sequence[Job], source_key: Callable[[str], str]) -> list[str]:
 
 @contextmanager
 def _hooked(hooks: Hooks) -> Iterator[None]:
-    """Put the hooks in place of two methods of Snakemake's DAG, for as long as the block lasts."""
+    """Put the hooks in place of two methods of Snakemake's DAG, and forks in place of its processes."""
     from snakemake.dag import DAG
+    from snakemake.logging import LoggerManager
+    from snakemake.script import PythonScript
 
-    update_needrun, finish = DAG.update_needrun, DAG.finish
+    update_needrun, finish, execute_script = DAG.update_needrun, DAG.finish, PythonScript.execute_script
+    make_handler, calm = LoggerManager._default_streamhandler, _Calm()
 
     async def decided(dag: Any, create_inventory: bool = False) -> None:
         ordered = [job for level in dag.toposorted() for job in sorted(level, key=_name)]
@@ -148,6 +165,8 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
         )
         chosen = {tracked[i] for i in hooks.decide(plan)}
         if plan.for_real:
+            calm.running = True
+            forks.preload({_script(job) for job in chosen})
             dag.workflow.iocache.deactivate()  # it has seen files that the decision removed, and missed restored ones
         for job in ordered:  # targets such as `all`, which do nothing but ask for files
             if job.is_norun and not chosen.isdisjoint(dag.dependencies[job]):
@@ -168,15 +187,54 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
                     hooks.finished(_job(dag, each))
         return result
 
-    DAG.update_needrun, DAG.finish = decided, finished
+    def execute(script: Any, fname: str, edit: bool = False) -> None:
+        status = forks.run(fname)
+        if status < 0:  # it could not say why by itself
+            sys.stderr.write(
+                f"rule {script.rulename} was ended by {Signals(-status).name}\n(more in {script.log[0]})\n"
+            )
+        if status != 0:
+            raise CalledProcessError(status, script.path.get_filename())
+
+    def handler(manager: Any) -> logging.Handler:
+        made: logging.Handler = make_handler(manager)
+        made.addFilter(calm)
+        return made
+
+    DAG.update_needrun, DAG.finish, PythonScript.execute_script = decided, finished, execute
+    LoggerManager._default_streamhandler = handler
     try:
         yield
     finally:
-        DAG.update_needrun, DAG.finish = update_needrun, finish
+        DAG.update_needrun, DAG.finish, PythonScript.execute_script = update_needrun, finish, execute_script
+        LoggerManager._default_streamhandler = make_handler
+        forks.stop()
+
+
+class _Calm(logging.Filter):
+    """Keeps off the screen what Snakemake tells of each job: its own log, in OUT/.snakemake/log, has all of it.
+
+    Of a job that failed the job itself has told, so that Snakemake need not tell where it was called.
+
+    Attributes:
+        running: jobs are being run; before, and where none are, Snakemake may be asked a question, and answers.
+    """
+
+    running = False
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether a record is shown."""
+        if record.levelno >= logging.WARNING:
+            return getattr(record, "exception", "") != "RuleException" and getattr(record, "event", "") != "job_error"
+        return not self.running and not record.getMessage().startswith(CHATTER)
 
 
 def _name(job: Any) -> tuple[str, str]:
     return job.rule.name, str(sorted(by_role(job.wildcards).items()))
+
+
+def _script(job: Any) -> Path:
+    return SCRIPTS / Path(job.rule.script).name
 
 
 def _job(dag: Any, job: Any) -> Job:
@@ -188,7 +246,7 @@ def _job(dag: Any, job: Any) -> Job:
     rule = job.rule.name
     if not job.rule.script:
         raise ValueError(f"rule {rule} has no script: what it does would not be part of its key")
-    script = SCRIPTS / Path(job.rule.script).name
+    script = _script(job)
     parameters = by_role(job.params)
     if parameters.get("code") != code_hash(script) + lock_hash():
         raise ValueError(f"rule {rule}: its parameter code must be tracked({script.name!r}), the script that it runs")
@@ -198,5 +256,6 @@ def _job(dag: Any, job: Any) -> Job:
         parameters=parameters,
         inputs={role: str(path) for role, path in by_role(job.input).items()},
         outputs={role: str(path) for role, path in by_role(job.output).items()},
+        log=str(job.log[0]),
         forced=job.rule in dag.forcerules or not dag.forcefiles.isdisjoint(job.output),
     )

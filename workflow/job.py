@@ -1,14 +1,16 @@
 """What every job does around its one call.
 
 Its output goes to its log, warnings and failures also to the screen; its inputs are compared with their records, and
-what it made is recorded.
+what it made is recorded. The last line of its log says what time it took.
 """
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 import sys
+import time
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -19,6 +21,8 @@ from workflow.keys import by_role
 from workflow.records import FULL, DamagedError, record_path, records_of_job, verified_inputs, write_record
 
 OUT = Path()  # Snakemake runs jobs in the output folder
+CLEAR = "\r\033[K"  # empties the line of a terminal, on which a run shows its progress
+TOOK = "took "  # begins the last line of a job's log
 
 
 @contextmanager
@@ -35,15 +39,17 @@ def job(snakemake: Any) -> Iterator[None]:
         SystemExit: the job failed; the reason has been shown.
     """
     log = snakemake.log[0]
+    began, start_up = time.perf_counter(), time.process_time()  # the latter counts from the start of the process
     sys.stdout.flush()
     sys.stderr.flush()
     screen = os.fdopen(os.dup(2), "w")
+    clear = CLEAR if screen.isatty() else ""
     with Path(log).open("w") as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
         to_screen = logging.StreamHandler(screen)
         to_screen.setLevel(logging.WARNING)
-        to_screen.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
+        to_screen.setFormatter(logging.Formatter(f"{clear}%(levelname)s %(message)s"))
         to_log = logging.StreamHandler(sys.stderr)
         logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s", handlers=[to_log])
         logging.getLogger().addHandler(to_screen)
@@ -52,12 +58,13 @@ def job(snakemake: Any) -> Iterator[None]:
             with recorded(snakemake):
                 yield
         except Exception as error:
-            print(f"{type(error).__name__}: {error}{_where_full(error)}\n(more in {log})", file=screen, flush=True)
+            print(f"{clear}{type(error).__name__}: {error}{_where_full(error)}\n(more in {log})", file=screen, flush=True)
             with suppress(OSError):  # the log may be on a full disk
                 traceback.print_exc()
             raise SystemExit(1) from None
         finally:
             with suppress(OSError):
+                sys.stdout.write(time_line(start_up, time.perf_counter() - began))
                 sys.stdout.flush()
                 sys.stderr.flush()
 
@@ -68,6 +75,25 @@ def _where_full(error: Exception) -> str:
         return ""
     where = error.filename or OUT.resolve()
     return f"\nthe disk of {where} is full; make room and run again, which goes on from here"
+
+
+def time_line(start_up: float, wall: float) -> str:
+    """What time this process took until now, as the last line of a log; the arguments are those of `time_of`."""
+    took = {"start_up": start_up, "processor": time.process_time(), "wall": wall}
+    return f"{TOOK}{json.dumps({name: round(value, 3) for name, value in took.items()})}\n"
+
+
+def time_of(log: Path) -> dict[str, float] | None:
+    """The seconds that a job took, from the last line of its log; None where there is none.
+
+    `wall` is the time from when its inputs were looked at; `processor` is that of its whole process, `start_up` what
+    of it was spent before.
+    """
+    try:
+        line = log.read_text(encoding="utf-8", errors="replace").rstrip().rpartition("\n")[2]
+        return dict(json.loads(line.removeprefix(TOOK))) if line.startswith(TOOK) else None
+    except (OSError, ValueError):
+        return None
 
 
 @contextmanager

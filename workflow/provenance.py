@@ -44,10 +44,11 @@ def imported_files(script: Path) -> set[Path]:
 
 @cache
 def _imports(path: Path) -> tuple[Path, ...]:
-    return tuple(file for name in _imported_names(ast.parse(path.read_bytes(), str(path))) for file in _files(name))
+    return tuple(file for name in imported_names(ast.parse(path.read_bytes(), str(path))) for file in _files(name))
 
 
-def _imported_names(tree: ast.AST) -> Iterator[str]:
+def imported_names(tree: ast.AST) -> Iterator[str]:
+    """The dotted names that import statements mention, wherever they stand; not each is a module."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)

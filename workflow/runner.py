@@ -7,19 +7,23 @@ import logging
 import os
 import shutil
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+import time
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from workflow import dag
 from workflow.config import keep_config
+from workflow.job import time_line, time_of
 from workflow.keeping import Keeper
 from workflow.manifest import write_manifest
+from workflow.progress import Progress
 from workflow.provenance import ROOT
 from workflow.store import Store
 
 FAILED, BUSY = 1, 3
 LEAST_ROOM = 2**18  # bytes; without them Snakemake cannot even write its notes
+REPORT = "report.html"
 
 
 def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) -> int:
@@ -47,8 +51,13 @@ def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) 
             return FAILED
         config = keep_config(config, out)
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
-        keeper = Keeper(out, store)
-        status = dag.run([*dag.command_line(config, out, cores), *more], dag.Hooks(keeper.decide, keeper.finished))
+        began = time.monotonic()
+        keeper, progress = Keeper(out, store), Progress()
+        status = dag.run([*dag.command_line(config, out, cores), *more], _hooks(out, keeper, progress))
+        progress.end()
+        if progress.done:  # what it took to lay out, start and keep the jobs
+            with suppress(OSError):  # the disk may be full
+                (out / "joblogs" / "workflow.log").write_text(time_line(0.0, time.monotonic() - began), encoding="utf-8")
         if status == 0 and keeper.artifacts is not None:
             try:
                 write_manifest(out, keeper.artifacts)
@@ -59,9 +68,29 @@ def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) 
                 sys.stderr.write(f"{out}: the manifest cannot be written ({error})\n")
                 status = FAILED
             store.trim()
-        if status != 0:
+        if status == 0 and REPORT in (keeper.artifacts or ()):
+            sys.stderr.write(f"look at {out / REPORT}\n")
+        elif status != 0:
             _is_full(out)
+            sys.stderr.write("stopped; what is done is kept, and the next run goes on with the rest\n")
         return status
+
+
+def _hooks(out: Path, keeper: Keeper, progress: Progress) -> dag.Hooks:
+    """What keeps artifacts and what tells of the progress, as hooks."""
+
+    def decide(plan: dag.Plan) -> Collection[int]:
+        needed = keeper.decide(plan)
+        if plan.for_real:
+            progress.begin(plan.jobs[i].stage for i in needed)
+        return needed
+
+    def finished(job: dag.Job) -> None:
+        keeper.finished(job)
+        took = time_of(out / job.log)
+        progress.finished(job.stage, took["wall"] if took else 1.0)
+
+    return dag.Hooks(decide, finished)
 
 
 def _is_full(out: Path) -> bool:

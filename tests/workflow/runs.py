@@ -49,9 +49,10 @@ def wait_until(true: Callable[[], bool], process: subprocess.Popen[str], patienc
         time.sleep(0.01)
 
 
-def jobs(printed: str) -> Counter[str]:
-    """How many jobs of each rule finished."""
-    return Counter(re.findall(r"Finished jobid: \d+ \(Rule: (\w+)\)", printed))
+def jobs(out: Path) -> Counter[str]:
+    """How many jobs of each rule finished in the last run in a folder, by Snakemake's own log."""
+    log = max((out / ".snakemake" / "log").iterdir())
+    return Counter(re.findall(r"Finished jobid: \d+ \(Rule: (\w+)\)", log.read_text(encoding="utf-8")))
 
 
 def hashes(out: Path) -> dict[str, str]:
