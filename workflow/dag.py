@@ -16,6 +16,8 @@ from workflow.keys import by_role, job_key, output_key
 from workflow.provenance import ROOT, code_hash, lock_hash
 
 SCRIPTS = ROOT / "workflow" / "scripts"
+PROFILES = ROOT / "workflow" / "profiles"
+DEFAULT = "default"
 
 
 @dataclass(frozen=True)
@@ -81,14 +83,29 @@ def run(arguments: Sequence[str], hooks: Hooks) -> int:
     return 0
 
 
-def command_line(config: Path, out: Path, cores: int) -> list[str]:
-    """The arguments of Snakemake for a study."""
+def command_line(config: Path, out: Path, cores: int | None = None, profile: str = DEFAULT) -> list[str]:
+    """The arguments of Snakemake for a study.
+
+    Args:
+        config: the config file.
+        out: the output folder.
+        cores: how many jobs may run at the same time, on a cluster within one of its jobs; None for the profile's.
+        profile: the folder of a profile, or the name of one of `workflow/profiles`. It is laid over the default one.
+
+    Raises:
+        ValueError: there is no such profile.
+    """
+    folder = next((each for each in (PROFILES / profile, Path(profile)) if (each / "config.yaml").is_file()), None)
+    if folder is None:
+        known = ", ".join(sorted(each.name for each in PROFILES.iterdir()))
+        raise ValueError(f"--profile {profile}: neither one of {known}, nor a folder with a config.yaml")
     return [
         *("--snakefile", str(ROOT / "Snakefile")),
-        *("--workflow-profile", str(ROOT / "workflow" / "profiles" / "default")),
+        *(f"--profile={each}" for each in dict.fromkeys([PROFILES / DEFAULT, folder.resolve()])),
+        *("--workflow-profile", "none"),
         *("--configfile", str(config.resolve())),
         *("--directory", str(out.resolve())),
-        *("--cores", str(cores)),
+        *(() if cores is None else ("--cores", str(cores))),
         "--ignore-incomplete",  # records tell better what is complete
         "--nolock",  # the runner holds a lock that lets go when its process dies, however it dies
     ]

@@ -20,13 +20,14 @@ from workflow.store import Store
 FAILED, BUSY = 1, 3
 
 
-def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) -> int:
+def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence[str], store: Store) -> int:
     """Run what is new of a study, and write its manifest.
 
     Args:
         config: the config file.
         out: the output folder.
-        cores: how many jobs may run at the same time.
+        cores: how many jobs may run at the same time; None for what the profile says.
+        profile: where and how they run, see `dag.command_line`.
         more: further arguments for Snakemake.
         store: where artifacts are shared.
 
@@ -43,7 +44,8 @@ def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) 
         _remove_parts(out)
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
         keeper = Keeper(out, store)
-        status = dag.run([*dag.command_line(config, out, cores), *more], dag.Hooks(keeper.decide, keeper.finished))
+        arguments = [*dag.command_line(config, out, cores, profile), *more]
+        status = dag.run(arguments, dag.Hooks(keeper.decide, keeper.finished))
         if status == 0 and keeper.artifacts is not None:
             try:
                 write_manifest(out, keeper.artifacts)

@@ -49,6 +49,8 @@ for name, set_name, trials in simulated_blocks():
             [log_path(name, set_name, trial) for trial in trials],
         log:
             f"joblogs/collect/{name}_{set_name}_{trials[0]:04}-{trials[-1]:04}.log",
+        group:
+            "data"
         params:
             experiment=name,
             set_name=set_name,
