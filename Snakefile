@@ -10,7 +10,10 @@ if not config:
     configfile: "config/config.yaml"
 
 
-workdir: "results"
+# On a node of a cluster, Snakemake is started in the output folder.
+if workflow.is_main_process:
+
+    workdir: "results"
 
 
 report: "workflow/report/study.rst"

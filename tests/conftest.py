@@ -14,6 +14,7 @@ from filelock import FileLock
 from data_collection.episode import calibrate, collect
 from data_collection.mcap_log import Log, read_log, write_log
 from data_collection.settings import Simulation
+from tests.workflow.runs import SMOKE, run
 
 STUDY = Path(__file__).parents[1] / "config" / "config.yaml"
 TRIALS = 200
@@ -67,6 +68,18 @@ def simulated(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
                 write_log(made.folder / f"trial_{i + 1:04}.mcap", log)
             write_log(made.folder / "calibration.mcap", calibrate(made.simulation, **common))
     return made
+
+
+@pytest.fixture(scope="session")
+def finished(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The output folder of a finished smoke study, its cache beside it; made once a test run."""
+    base = tmp_path_factory.getbasetemp()
+    base = base.parent if hasattr(request.config, "workerinput") else base
+    out = base / "finished_smoke"
+    with FileLock(f"{out}.lock"):
+        if not (out / "manifest.json").is_file():
+            run(SMOKE, out)
+    return out
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -48,11 +48,12 @@ SelectType=select/cons_tres
 SelectTypeParameters=CR_Core
 MpiDefault=none
 ReturnToService=2
+EnforcePartLimits=ALL
 MinJobAge=300
 KillWait=2
 SlurmdParameters=config_overrides
 NodeName={host} NodeAddr=127.0.0.1 CPUs={cpus} RealMemory=16000
-PartitionName=local Nodes={host} Default=YES MaxTime=60 State=UP
+PartitionName=local Nodes={host} Default=YES MaxTime=1-0 State=UP
 """
 
 # Our configuration is named here rather than by SLURM_CONF alone, because Snakemake's plugin removes SLURM_… from the

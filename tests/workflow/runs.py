@@ -11,6 +11,7 @@ from pathlib import Path
 
 from workflow.provenance import ROOT
 
+SMOKE = ROOT / "config" / "smoke.yaml"
 ARTIFACTS = (".mcap", ".parquet", ".npz", ".csv", ".md", ".tex", ".html", ".png", ".pdf", ".gif")
 
 

@@ -15,19 +15,10 @@ import pytest
 import yaml
 
 from tests.browser import look, needs_chromium
-from tests.workflow.runs import command, hashes, jobs, run
+from tests.workflow.runs import SMOKE, command, hashes, jobs, run
 from workflow.provenance import ROOT
 
-SMOKE = ROOT / "config" / "smoke.yaml"
 pytestmark = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The output folder of a finished smoke study."""
-    out = tmp_path_factory.mktemp("smoke") / "out"
-    run(SMOKE, out)
-    return out
 
 
 def test_every_stage_left_its_artifacts(finished: Path) -> None:
