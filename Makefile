@@ -82,6 +82,7 @@ lint: $(READY)
 	$(VENV)/bin/ruff format --check $(SOURCES)
 	$(VENV)/bin/mypy data_collection features model evaluation workflow benchmarks
 	$(VENV)/bin/snakefmt --check Snakefile workflow/rules
+	.ci/lint_snakefile
 
 format: $(READY)
 	$(VENV)/bin/ruff check --fix $(SOURCES)

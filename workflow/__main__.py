@@ -39,7 +39,7 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("--out", type=Path, default=ROOT / "results", help="output folder")
     for command in (run, info, clean):
         command.add_argument("--cache", type=Path, help="folder of shared artifacts (default: $CACHE, or the user's)")
-    run.add_argument("--cores", type=int, help="jobs at the same time (default: all cores; on Slurm: of each Slurm job)")
+    run.add_argument("--cores", type=int, help="jobs at the same time, on Slurm within one of its jobs")
     run.add_argument("--profile", default="default", help="default, slurm, or a folder with a Snakemake profile")
     run.add_argument("snakemake", nargs="*", help="further arguments for Snakemake, after --")
     explain.add_argument("path", type=Path, help="an artifact, for instance results/scores.csv")

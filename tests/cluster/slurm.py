@@ -49,7 +49,7 @@ SelectTypeParameters=CR_Core
 MpiDefault=none
 ReturnToService=2
 EnforcePartLimits=ALL
-MinJobAge=300
+MinJobAge=3600
 KillWait=2
 SlurmdParameters=config_overrides
 NodeName={host} NodeAddr=127.0.0.1 CPUs={cpus} RealMemory=16000
@@ -114,7 +114,8 @@ def slurm(folder: Path) -> Iterator[Slurm]:
     munge = [f"--{name}-file={running.folder}/munge.{name}" for name in ("pid", "seed", "log")]
     socket_file = running.folder / "munge.socket"
     with ExitStack() as stack:
-        stack.enter_context(_daemon(running, "munged", "--foreground", f"--key-file={key}", f"--socket={socket_file}", *munge))
+        munge += [f"--key-file={key}", f"--socket={socket_file}"]
+        stack.enter_context(_daemon(running, "munged", "--foreground", *munge))
         _wait(running, "munged", socket_file.exists)
         stack.enter_context(_daemon(running, "slurmctld", "-D", "-f", configuration))
         stack.enter_context(_daemon(running, "slurmd", "-D", "-f", configuration, "-N", _host()))
