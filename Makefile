@@ -6,7 +6,9 @@
 # CACHE=folder names the cache of artifacts (default: in the user's cache folder), CACHE_GIB its size limit
 CONFIG ?= config/config.yaml
 OUT ?= results
-CORES ?= $(shell nproc 2>/dev/null || echo 2)
+CORES ?=
+PROFILE ?= default
+RUN = $(PYTHON) -m workflow run --profile $(PROFILE) $(if $(CORES),--cores $(CORES))
 
 VENV := .venv
 READY := $(VENV)/.ready
@@ -17,7 +19,8 @@ SOURCES := data_collection features model evaluation workflow tests benchmarks
 .PHONY: help setup study smoke snakemake-report compare verify cache-info cache-clean test test-slow lint format bench docs lock reference clean
 
 help:
-	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=$(CORES)] [CACHE=folder]  run a study"
+	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=n] [CACHE=folder]  run a study"
+	@echo "make study PROFILE=slurm   the same on a cluster; or a folder with a Snakemake profile of one's own"
 	@echo "make smoke [OUT=$(OUT)/smoke]   a tiny study through every stage"
 	@echo "make compare [OUT=$(OUT)]       which results differ from results/reference by more than the seeds explain"
 	@echo "make verify [OUT=$(OUT)]   hash every artifact again: what is missing, changed or unexplained"
@@ -49,10 +52,10 @@ $(READY): environment.lock
 setup: $(READY)
 
 study: $(READY)
-	@$(PYTHON) -m workflow run --config $(CONFIG) --out $(OUT) --cores $(CORES)
+	@$(RUN) --config $(CONFIG) --out $(OUT)
 
 smoke: $(READY)
-	@$(PYTHON) -m workflow run --config config/smoke.yaml --out $(if $(filter results,$(OUT)),results/smoke,$(OUT)) --cores $(CORES)
+	@$(RUN) --config config/smoke.yaml --out $(if $(filter results,$(OUT)),results/smoke,$(OUT))
 
 # Exits with 1 where something differs, with 2 where there is nothing to compare; make itself then says 2.
 compare: $(READY)
@@ -66,7 +69,7 @@ cache-info cache-clean: $(READY)
 	@$(PYTHON) -m workflow $@
 
 snakemake-report: study
-	@$(PYTHON) -m workflow run --config $(CONFIG) --out $(OUT) --cores $(CORES) -- --report snakemake_report.html
+	@$(PYTHON) -m workflow run --config $(CONFIG) --out $(OUT) -- --report snakemake_report.html
 
 test: $(READY)
 	$(PYTHON) -m pytest -n 2 --dist loadfile -m "not slow" tests
@@ -79,6 +82,7 @@ lint: $(READY)
 	$(VENV)/bin/ruff format --check $(SOURCES)
 	$(VENV)/bin/mypy data_collection features model evaluation workflow benchmarks
 	$(VENV)/bin/snakefmt --check Snakefile workflow/rules
+	.ci/lint_snakefile
 
 format: $(READY)
 	$(VENV)/bin/ruff check --fix $(SOURCES)

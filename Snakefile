@@ -10,13 +10,17 @@ if not config:
     configfile: "config/config.yaml"
 
 
-workdir: "results"
+# On a node of a cluster, Snakemake is started in the output folder.
+if workflow.is_main_process:
+
+    workdir: "results"
 
 
 report: "workflow/report/study.rst"
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/functions.smk"
 include: "workflow/rules/data_collection.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/model.smk"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from pathlib import Path
 
@@ -40,7 +39,8 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("--out", type=Path, default=ROOT / "results", help="output folder")
     for command in (run, info, clean):
         command.add_argument("--cache", type=Path, help="folder of shared artifacts (default: $CACHE, or the user's)")
-    run.add_argument("--cores", type=int, default=os.cpu_count() or 1)
+    run.add_argument("--cores", type=int, help="jobs at the same time, on Slurm within one of its jobs")
+    run.add_argument("--profile", default="default", help="default, slurm, or a folder with a Snakemake profile")
     run.add_argument("snakemake", nargs="*", help="further arguments for Snakemake, after --")
     explain.add_argument("path", type=Path, help="an artifact, for instance results/scores.csv")
     clean.add_argument("--to", type=float, default=0.0, metavar="GIB", help="what may stay, last used first")
@@ -51,11 +51,12 @@ def _command(arguments: argparse.Namespace) -> int:
     match arguments.command:
         case "run":
             load_study(arguments.config)  # finds mistakes before anything else starts
-            if arguments.cores < 1:
+            if arguments.cores is not None and arguments.cores < 1:
                 raise ValueError(f"--cores {arguments.cores}: must be at least 1")
             from workflow.runner import run
 
-            return run(arguments.config, arguments.out, arguments.cores, arguments.snakemake, _store(arguments))
+            how = arguments.cores, arguments.profile, arguments.snakemake
+            return run(arguments.config, arguments.out, *how, _store(arguments))
         case "check":
             study = load_study(arguments.config)
             fits = sum(1 for name in study.experiments for _ in study.conditions(name))

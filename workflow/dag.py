@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from signal import Signals
@@ -21,6 +21,8 @@ from workflow.keys import by_role, job_key, output_key
 from workflow.provenance import ROOT, code_hash, lock_hash
 
 SCRIPTS = ROOT / "workflow" / "scripts"
+PROFILES = ROOT / "workflow" / "profiles"
+DEFAULT = "default"
 # What Snakemake says before it lays out the jobs.
 CHATTER = ("Assuming unrestricted shared filesystem", "Building DAG of jobs")
 
@@ -95,14 +97,29 @@ def run(arguments: Sequence[str], hooks: Hooks) -> int:
     return 0
 
 
-def command_line(config: Path, out: Path, cores: int) -> list[str]:
-    """The arguments of Snakemake for a study."""
+def command_line(config: Path, out: Path, cores: int | None = None, profile: str = DEFAULT) -> list[str]:
+    """The arguments of Snakemake for a study.
+
+    Args:
+        config: the config file.
+        out: the output folder.
+        cores: how many jobs may run at the same time, on a cluster within one of its jobs; None for the profile's.
+        profile: the folder of a profile, or the name of one of `workflow/profiles`. It is laid over the default one.
+
+    Raises:
+        ValueError: there is no such profile.
+    """
+    folder = next((each for each in (PROFILES / profile, Path(profile)) if (each / "config.yaml").is_file()), None)
+    if folder is None:
+        known = ", ".join(sorted(each.name for each in PROFILES.iterdir()))
+        raise ValueError(f"--profile {profile}: neither one of {known}, nor a folder with a config.yaml")
     return [
         *("--snakefile", str(ROOT / "Snakefile")),
-        *("--workflow-profile", str(ROOT / "workflow" / "profiles" / "default")),
+        *(f"--profile={each}" for each in dict.fromkeys([PROFILES / DEFAULT, folder.resolve()])),
+        *("--workflow-profile", "none"),
         *("--configfile", str(config.resolve())),
         *("--directory", str(out.resolve())),
-        *("--cores", str(cores)),
+        *(() if cores is None else ("--cores", str(cores))),
         "--ignore-incomplete",  # records tell better what is complete
         "--nolock",  # the runner holds a lock that lets go when its process dies, however it dies
     ]
@@ -146,12 +163,13 @@ def keys_of(jobs: Sequence[Job], source_key: Callable[[str], str]) -> list[str]:
 
 @contextmanager
 def _hooked(hooks: Hooks) -> Iterator[None]:
-    """Put the hooks in place of two methods of Snakemake's DAG, and forks in place of its processes."""
+    """Put the hooks in place of methods of Snakemake, and forks in place of its processes, while the block lasts."""
     from snakemake.dag import DAG
     from snakemake.logging import LoggerManager
     from snakemake.script import PythonScript
+    from snakemake_executor_plugin_slurm import Executor
 
-    update_needrun, finish, execute_script = DAG.update_needrun, DAG.finish, PythonScript.execute_script
+    update_needrun, finish = DAG.update_needrun, DAG.finish
     make_handler, calm = LoggerManager._default_streamhandler, _Calm()
 
     async def decided(dag: Any, create_inventory: bool = False) -> None:
@@ -201,14 +219,21 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
         made.addFilter(calm)
         return made
 
-    DAG.update_needrun, DAG.finish, PythonScript.execute_script = decided, finished, execute
-    LoggerManager._default_streamhandler = handler
-    try:
+    with ExitStack() as replaced:
+        for owner, method, replacement in (
+            (DAG, "update_needrun", decided),
+            (DAG, "finish", finished),
+            (PythonScript, "execute_script", execute),
+            (LoggerManager, "_default_streamhandler", handler),
+            # A job of Slurm is Snakemake again, which is to run its group itself, as many jobs at a time as it has
+            # cores. The plugin would have it do one after the other, each by `srun` and a further Snakemake (the
+            # plugin's issue 469).
+            (Executor, "additional_general_args", lambda self: "--executor local"),
+        ):
+            replaced.callback(setattr, owner, method, getattr(owner, method))
+            setattr(owner, method, replacement)
+        replaced.callback(forks.stop)
         yield
-    finally:
-        DAG.update_needrun, DAG.finish, PythonScript.execute_script = update_needrun, finish, execute_script
-        LoggerManager._default_streamhandler = make_handler
-        forks.stop()
 
 
 class _Calm(logging.Filter):

@@ -58,7 +58,11 @@ def job(snakemake: Any) -> Iterator[None]:
             with recorded(snakemake):
                 yield
         except Exception as error:
-            print(f"{clear}{type(error).__name__}: {error}{_where_full(error)}\n(more in {log})", file=screen, flush=True)
+            print(
+                f"{clear}{type(error).__name__}: {error}{_where_full(error)}\n(more in {log})",
+                file=screen,
+                flush=True,
+            )
             with suppress(OSError):  # the log may be on a full disk
                 traceback.print_exc()
             raise SystemExit(1) from None

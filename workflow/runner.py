@@ -26,13 +26,14 @@ LEAST_ROOM = 2**18  # bytes; without them Snakemake cannot even write its notes
 REPORT = "report.html"
 
 
-def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) -> int:
+def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence[str], store: Store) -> int:
     """Run what is new of a study, and write its manifest.
 
     Args:
         config: the config file.
         out: the output folder.
-        cores: how many jobs may run at the same time.
+        cores: how many jobs may run at the same time; None for what the profile says.
+        profile: where and how they run, see `dag.command_line`.
         more: further arguments for Snakemake.
         store: where artifacts are shared.
 
@@ -53,11 +54,14 @@ def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) 
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
         began = time.monotonic()
         keeper, progress = Keeper(out, store), Progress()
-        status = dag.run([*dag.command_line(config, out, cores), *more], _hooks(out, keeper, progress))
+        arguments = [*dag.command_line(config, out, cores, profile), *more]
+        status = dag.run(arguments, _hooks(out, keeper, progress))
         progress.end()
         if progress.done:  # what it took to lay out, start and keep the jobs
             with suppress(OSError):  # the disk may be full
-                (out / "joblogs" / "workflow.log").write_text(time_line(0.0, time.monotonic() - began), encoding="utf-8")
+                (out / "joblogs" / "workflow.log").write_text(
+                    time_line(0.0, time.monotonic() - began), encoding="utf-8"
+                )
         if status == 0 and keeper.artifacts is not None:
             try:
                 write_manifest(out, keeper.artifacts)

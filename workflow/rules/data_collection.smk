@@ -1,29 +1,6 @@
 """Trials of the robot: one MCAP log a trial, and one of the camera's calibration for each experiment."""
 
 
-def simulated_blocks():
-    """Each block of trials that one job simulates: (experiment, set, trials)."""
-    for name, experiment in study.experiments.items():
-        if experiment.source == "simulation" and experiment.data == name:
-            for set_name in SETS:
-                for trials in study.blocks(name, set_name):
-                    yield name, set_name, trials
-
-
-def log_path(experiment, set_name, trial):
-    """Where the log of a trial is: in the results, or where the config says."""
-    if study.experiments[experiment].source == "logs":
-        return str(study.log_folder(experiment) / set_name / f"trial_{trial:04}.mcap")
-    return f"mcap/{experiment}/{set_name}/trial_{trial:04}.mcap"
-
-
-def calibration_path(wildcards):
-    """Where the log of an experiment's camera calibration is."""
-    if study.experiments[wildcards.experiment].source == "logs":
-        return str(study.log_folder(wildcards.experiment) / "calibration.mcap")
-    return "mcap/{experiment}/calibration.mcap"
-
-
 rule calibrate:
     output:
         "mcap/{experiment}/calibration.mcap",
@@ -49,6 +26,8 @@ for name, set_name, trials in simulated_blocks():
             [log_path(name, set_name, trial) for trial in trials],
         log:
             f"joblogs/collect/{name}_{set_name}_{trials[0]:04}-{trials[-1]:04}.log",
+        group:
+            "data"
         params:
             experiment=name,
             set_name=set_name,

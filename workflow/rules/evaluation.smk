@@ -1,34 +1,6 @@
 """Measures of learning, and the one file that holds the measures of everything."""
 
 
-def columns(conditions):
-    """The columns of scores.csv that name each of these fits."""
-    return [
-        vars(condition)
-        | {
-            "averaged_draws": averaged_draws(condition.inference),
-            "chains": study.experiments[condition.experiment].settings["chains"],
-        }
-        for condition in conditions
-    ]
-
-
-def tested(wildcards, task):
-    """The fits of an experiment and D that a task tests; for learning itself all."""
-    conditions = study.conditions if task == "csl" else lambda experiment: study.task_conditions(experiment, task)
-    return [condition for condition in conditions(wildcards.experiment) if condition.D == int(wildcards.D)]
-
-
-def score_files():
-    """The score file of each experiment, D and task that has something to test."""
-    for name, experiment in study.experiments.items():
-        for D in experiment.settings["D"]:
-            yield f"scores/{name}_D{D}_csl.csv"
-            for task in TASKS:
-                if any(condition.D == D for condition in study.task_conditions(name, task)):
-                    yield f"scores/{name}_D{D}_{task}.csv"
-
-
 rule evaluate_learning:
     input:
         unpack(table_files("train")),
@@ -43,18 +15,6 @@ rule evaluate_learning:
         code=tracked("evaluate_learning.py"),
     script:
         "../scripts/evaluate_learning.py"
-
-
-def chains_of(wildcards):
-    """The chains that have one posterior: for each condition in which all words, or none, are heard, its seeds' fits."""
-    chains = {}
-    for condition in tested(wildcards, "csl"):
-        if condition.ROW in (0, 100):
-            names = vars(condition) | {"seed": None}
-            chains.setdefault(tuple((key, value) for key, value in names.items() if key != "seed"), []).append(
-                condition.path
-            )
-    return [(dict(names), paths) for names, paths in chains.items()]
 
 
 rule diagnose:

@@ -1,33 +1,6 @@
 """Feature tables: from logs by way of percepts, or from files of one's own."""
 
 
-def percept_paths(experiment, set_name, D=None):
-    """The percepts of a set; of training trials the blocks that hold the first D."""
-    return [
-        f"percepts/{experiment}/{set_name}_{block[0]:04}-{block[-1]:04}.npz"
-        for block in study.blocks(experiment, set_name)
-        if D is None or block[0] <= int(D)
-    ]
-
-
-def logs_of_block(wildcards):
-    """The logs of the block of trials that a path names."""
-    first, last = (int(number) for number in wildcards.block.split("-"))
-    return [log_path(wildcards.experiment, wildcards.set, trial) for trial in range(first, last + 1)]
-
-
-def weights_file(wildcards):
-    """The file of the network's weights as an input, where a config names one."""
-    weights = study.weights_file(wildcards.experiment)
-    return {"weights": str(weights)} if weights else {}
-
-
-def extraction(wildcards):
-    """The settings of feature extraction, in which a file of weights is called `file`: its content counts."""
-    replaced = {"weights": "file"} if weights_file(wildcards) else {}
-    return settings(wildcards).get("feature_extraction", {}) | replaced
-
-
 rule perceive:
     input:
         unpack(weights_file),

@@ -1,16 +1,6 @@
 """Fits of the model: one for each experiment, variant, method, inference, D, ROW and seed."""
 
 
-def table_files(set_name):
-    """A function that gives the feature table of a set: an experiment's own, or that of whose data it shares."""
-
-    def of(wildcards):
-        data = study.experiments[wildcards.experiment].data
-        return {kind: f"features/{data}/D{wildcards.D}/{set_name}_{kind}.parquet" for kind in ("trials", "objects")}
-
-    return of
-
-
 rule fit:
     input:
         unpack(table_files("train")),

@@ -1,24 +1,5 @@
 """The tasks that use what was learned: the robot does what it is told, and tells what it did."""
 
-GENERATION_PATH = FIT_PATH.replace("fits/", "generation/", 1).removesuffix(".npz")
-
-
-def simulation_of(experiment):
-    """The settings of the simulation that an experiment's data come from; None where they do not."""
-    own = study.experiments[experiment]
-    return own.settings.get("simulation", {}) if own.source == "simulation" else None
-
-
-def scene_files(wildcards):
-    """What it takes to carry out an answer in the simulated scenes; nothing where data are not simulated."""
-    data = study.experiments[wildcards.experiment].data
-    if simulation_of(data) is None:
-        return {}
-    return {
-        "transforms": f"features/{data}/D{wildcards.D}/transforms.npz",
-        "percepts": percept_paths(data, "generation"),
-    }
-
 
 rule describe:
     input:

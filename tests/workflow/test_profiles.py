@@ -1,0 +1,51 @@
+"""The profiles: which one a run gets, and that the one for clusters knows every rule."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from workflow.dag import PROFILES, command_line
+from workflow.provenance import ROOT
+
+CONFIG = ROOT / "config" / "smoke.yaml"
+
+
+def profile(name: str) -> dict[str, dict[str, object]]:
+    """A profile, as it is written."""
+    return yaml.safe_load((PROFILES / name / "config.yaml").read_text(encoding="utf-8"))  # type: ignore[no-any-return]
+
+
+def rules() -> set[str]:
+    """The rules of all rule files; those for a block of trials are named by it, and have their group beside them."""
+    texts = [path.read_text(encoding="utf-8") for path in (ROOT / "workflow" / "rules").glob("*.smk")]
+    return set(re.findall(r"^rule (\w+):", "\n".join(texts), flags=re.MULTILINE))
+
+
+def test_every_rule_has_a_group_on_a_cluster() -> None:
+    assert profile("slurm")["groups"].keys() == rules()
+
+
+def test_resources_are_those_of_rules() -> None:
+    assert profile("slurm")["set-resources"].keys() <= rules()
+
+
+@pytest.mark.parametrize("name", ["slurm", str(PROFILES / "slurm")])
+def test_a_profile_is_laid_over_the_default_one(name: str, tmp_path: Path) -> None:
+    line = command_line(CONFIG, tmp_path, profile=name)
+    given = [word for word in line if word.startswith("--profile=")]
+    assert given == [f"--profile={PROFILES / each}" for each in ("default", "slurm")]
+
+
+def test_cores_are_those_of_the_profile_unless_given(tmp_path: Path) -> None:
+    assert "--cores" not in command_line(CONFIG, tmp_path)
+    line = command_line(CONFIG, tmp_path, cores=3)
+    assert line[line.index("--cores") + 1] == "3"
+
+
+def test_an_unknown_profile_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"--profile slrum: neither one of default, slurm, nor a folder"):
+        command_line(CONFIG, tmp_path, profile="slrum")
