@@ -44,12 +44,13 @@ def decode_image(data: bytes) -> Image:
     """
     import cv2
     from PIL import Image as Pillow
+    from PIL import UnidentifiedImageError
 
     # The size is read from the header first: a few bytes can claim gigabytes of pixels.
     try:
         with Pillow.open(io.BytesIO(data), formats=("PNG", "JPEG")) as header:
             width, height = header.size
-    except (Pillow.UnidentifiedImageError, Pillow.DecompressionBombError) as error:
+    except (UnidentifiedImageError, Pillow.DecompressionBombError) as error:
         raise ValueError(f"no PNG or JPEG of at most {MAX_PIXELS:,} pixels") from error
     if width * height > MAX_PIXELS:
         raise ValueError(f"image of {width:,} × {height:,} pixels, at most {MAX_PIXELS:,} are read")

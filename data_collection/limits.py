@@ -39,13 +39,23 @@ MAX_TABLE_VALUES = 50_000_000
 MAX_ARRAYS_BYTES = 2**33
 """What the arrays of one npz file unpack to: percepts of 1,000 trials take about 100 MB."""
 
+PATH_PATTERN = r"^[^\u0000-\u001f\u007f\ud800-\udfff]+$(?!\n)"
+"""The path of a file that a config names: no control characters."""
+_READ_AS_ELSE = ("NA", "N/A", "#NA", "#N/A", "<NA>", "nan", "null", "none", "true", "false", "inf", "infinity")
+_NOT_READ_AS_ELSE = (
+    rf"(?!(?:{'|'.join(''.join(f'[{c.lower()}{c}]' for c in text.upper()) for text in _READ_AS_ELSE)})$)"
+)
+NAME_PATTERN = rf"^{_NOT_READ_AS_ELSE}[A-Za-z][A-Za-z0-9_-]{{0,39}}$(?!\n)"
+"""The name of an experiment or a variant, which is part of paths and stands in tables."""
+NAME_RULE = "a letter, then up to 39 letters, digits, _ or -; not NA, nan, null, none, true, false, inf or infinity"
 _INVISIBLE = (
     r"\s\u0000-\u001f\u007f-\u00a0\u00ad\u200b-\u200f\u202a-\u202e\u2060-\u206f\ud800-\udfff\ufeff\ufff0-\uffff"
 )
-WORD_PATTERN = rf"^(?![=+@-])[^{_INVISIBLE}]{{1,40}}$(?!\n)"
+WORD_PATTERN = rf"^{_NOT_READ_AS_ELSE}(?![=+@-])(?!\.?[0-9][0-9.eE+-]*$)[^{_INVISIBLE}]{{1,40}}$(?!\n)"
 """A word, for JSON schema and for Python: 1 to 40 characters, all visible, none white space. It does not begin like a
-formula, which a spreadsheet would run when it opens a table. `$` alone would let a line feed pass in Python."""
-WORD_RULE = "1 to 40 visible characters without white space, not beginning with =, +, - or @"
+formula, which a spreadsheet would run when it opens a table; nor would a table be read as if a number stood there, or
+nothing. `$` alone would let a line feed pass in Python."""
+WORD_RULE = "1 to 40 visible characters, no number, not beginning with =, +, - or @, and not NA, nan, null, none, …"
 _WORD = re.compile(WORD_PATTERN)
 
 

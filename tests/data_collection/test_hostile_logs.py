@@ -190,7 +190,7 @@ def wrong_joints(value: JointState) -> Iterator[tuple[str, Value]]:
     yield "no names", dataclasses.replace(value, names=())
 
 
-BAD_WORDS = ("x" * 41, "=1+1", "+1", "-1", "@cmd", "a\0b", "\x1b[31m", "a\u200bb", "\u202eb", "a\ufeff")
+BAD_WORDS = ("x" * 41, "=1+1", "+1", "-1", "@cmd", "a\0b", "\x1b[31m", "a\u200bb", "\u202eb", "a\ufeff", "NA", "12")
 
 
 def wrong_texts(channel: Channel) -> Iterator[tuple[str, Value]]:
