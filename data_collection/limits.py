@@ -36,6 +36,13 @@ MAX_TABLE_ROWS = 2_000_000
 MAX_TABLE_VALUES = 50_000_000
 """Numbers in one column of a Parquet file (rows × list length)."""
 
+MAX_VECTOR_LENGTH = 1000
+"""Numbers of one vector of features; the model squares it."""
+MAX_NUMBER = 1e9
+"""Largest size of one number of features; the model squares it."""
+MAX_TEXT_BYTES = 160
+"""Bytes of one text of a Parquet file: 40 characters of up to four bytes, see `WORD_PATTERN`."""
+
 MAX_ARRAYS_BYTES = 2**33
 """What the arrays of one npz file unpack to: percepts of 1,000 trials take about 100 MB."""
 
