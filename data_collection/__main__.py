@@ -54,7 +54,8 @@ def topics() -> str:
     for channel in CHANNELS:
         cells = (
             f"`{channel.topic}`", channel.type, channel.shape, channel.unit, channel.frame,
-            ", ".join(channel.required), ", ".join(channel.optional), channel.meaning,
+            ", ".join(channel.required), ", ".join(channel.optional),
+            channel.meaning + ("; once" if channel.once else ""),
         )  # fmt: skip
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)

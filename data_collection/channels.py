@@ -68,7 +68,8 @@ class Channel:
         meaning: What it is, and how often.
         length: Exact number of values where it is fixed, else None.
         lowest: Smallest value allowed, or None.
-        highest: Largest value allowed, or None.
+        highest: Largest value allowed, or None; likewise of the positions of joints.
+        once: Whether it may come only once in a log.
     """
 
     topic: str
@@ -82,6 +83,7 @@ class Channel:
     length: int | None = None
     lowest: float | None = None
     highest: float | None = None
+    once: bool = False
 
 
 IMAGE = "sensor_msgs/msg/CompressedImage"
@@ -126,6 +128,8 @@ _CALIBRATION: tuple[LogKind, ...] = ("calibration",)
 _NONE: tuple[LogKind, ...] = ()
 _PIXELS = "(H, W, 3)"
 _J = len(JOINT_NAMES)
+_TURN = 10.0  # rad: more is taken for degrees
+_REACH = 10.0  # m: more is taken for millimetres
 
 CHANNELS: tuple[Channel, ...] = (
     Channel(
@@ -136,7 +140,8 @@ CHANNELS: tuple[Channel, ...] = (
         CAMERA_FRAME,
         _BOTH,
         _NONE,
-        "objects on the table, rest posture; once",
+        "objects on the table, rest posture",
+        once=True,
     ),
     Channel(
         IMAGE_GAZE,
@@ -146,9 +151,12 @@ CHANNELS: tuple[Channel, ...] = (
         CAMERA_FRAME,
         _TRIAL,
         _NONE,
-        "while the robot looks at the object; once",
+        "while the robot looks at the object",
+        once=True,
     ),
-    Channel(IMAGE_AFTER, IMAGE, _PIXELS, "RGB, 0..255", CAMERA_FRAME, _TRIAL, _NONE, "when the action is over; once"),
+    Channel(
+        IMAGE_AFTER, IMAGE, _PIXELS, "RGB, 0..255", CAMERA_FRAME, _TRIAL, _NONE, "when the action is over", once=True
+    ),
     Channel(
         CAMERA,
         CAMERA_INFO,
@@ -157,7 +165,8 @@ CHANNELS: tuple[Channel, ...] = (
         CAMERA_FRAME,
         _ALL,
         _NONE,
-        "intrinsics as the robot knows them; once",
+        "intrinsics as the robot knows them",
+        once=True,
     ),
     Channel(
         JOINT_STATES,
@@ -169,9 +178,37 @@ CHANNELS: tuple[Channel, ...] = (
         _NONE,
         "encoders at a fixed rate; the last one is the end of the action",
         _J,
+        lowest=-_TURN,
+        highest=_TURN,
     ),
-    Channel(JOINT_LOWER, JOINT_STATE, f"({_J},)", "rad", "", _BOTH, _NONE, "lower limits of the joints; once", _J),
-    Channel(JOINT_UPPER, JOINT_STATE, f"({_J},)", "rad", "", _BOTH, _NONE, "upper limits of the joints; once", _J),
+    Channel(
+        JOINT_LOWER,
+        JOINT_STATE,
+        f"({_J},)",
+        "rad",
+        "",
+        _BOTH,
+        _NONE,
+        "lower limits of the joints",
+        _J,
+        once=True,
+        lowest=-_TURN,
+        highest=_TURN,
+    ),
+    Channel(
+        JOINT_UPPER,
+        JOINT_STATE,
+        f"({_J},)",
+        "rad",
+        "",
+        _BOTH,
+        _NONE,
+        "upper limits of the joints",
+        _J,
+        once=True,
+        lowest=-_TURN,
+        highest=_TURN,
+    ),
     Channel(
         TACTILE,
         NUMBERS,
@@ -195,6 +232,8 @@ CHANNELS: tuple[Channel, ...] = (
         _NONE,
         "grasp point of the right hand; the last one counts",
         7,
+        lowest=-_REACH,
+        highest=_REACH,
     ),
     Channel(
         HAND_TARGET,
@@ -206,6 +245,8 @@ CHANNELS: tuple[Channel, ...] = (
         _TRIAL,
         "where the hand was sent, absent when it was not",
         3,
+        lowest=-_REACH,
+        highest=_REACH,
     ),
     Channel(
         FINGER_RATE,
@@ -215,14 +256,36 @@ CHANNELS: tuple[Channel, ...] = (
         "",
         _TRIAL,
         _NONE,
-        "commanded bend of the five fingers; once",
+        "commanded bend of the five fingers",
         None,
         0.0,
         1.0,
+        once=True,
     ),
-    Channel(GAZE_TARGET, POINT, "(3,)", "m", ROOT_FRAME, _TRIAL, _NONE, "commanded fixation point; once", 3),
     Channel(
-        SENTENCE, TEXT, "words", "separated by blanks", "", _BOTH, _NONE, "what the tutor says, may be empty; once"
+        GAZE_TARGET,
+        POINT,
+        "(3,)",
+        "m",
+        ROOT_FRAME,
+        _TRIAL,
+        _NONE,
+        "commanded fixation point",
+        3,
+        once=True,
+        lowest=-_REACH,
+        highest=_REACH,
+    ),
+    Channel(
+        SENTENCE,
+        TEXT,
+        "words",
+        "separated by blanks",
+        "",
+        _BOTH,
+        _NONE,
+        "what the tutor says, may be empty",
+        once=True,
     ),
     Channel(
         TF,
@@ -234,7 +297,7 @@ CHANNELS: tuple[Channel, ...] = (
         _ALL,
         "poses of the links and of the camera",
     ),
-    Channel(ROBOT_DESCRIPTION, TEXT, "URDF", "", "", _NONE, _ALL, "the robot, meshes by package:// paths; once"),
+    Channel(ROBOT_DESCRIPTION, TEXT, "URDF", "", "", _NONE, _ALL, "the robot, meshes by package:// paths", once=True),
     Channel(
         TRUTH_SCENE,
         TEXT,
@@ -243,7 +306,8 @@ CHANNELS: tuple[Channel, ...] = (
         ROOT_FRAME,
         _NONE,
         _BOTH,
-        "objects, their words and positions, the attended one; once",
+        "objects, their words and positions, the attended one",
+        once=True,
     ),
     Channel(
         TRUTH_POSES,
@@ -254,6 +318,8 @@ CHANNELS: tuple[Channel, ...] = (
         _NONE,
         _BOTH,
         "poses of the objects before and after",
+        lowest=-_REACH,
+        highest=_REACH,
     ),
     Channel(
         TRUTH_OUTCOME,
@@ -263,7 +329,8 @@ CHANNELS: tuple[Channel, ...] = (
         ROOT_FRAME,
         _NONE,
         _BOTH,
-        "what physically happened and the action word for it; once",
+        "what physically happened and the action word for it",
+        once=True,
     ),
     Channel(
         CALIBRATION_EMPTY,
@@ -273,7 +340,8 @@ CHANNELS: tuple[Channel, ...] = (
         CAMERA_FRAME,
         _CALIBRATION,
         _NONE,
-        "empty table, rest posture; once",
+        "empty table, rest posture",
+        once=True,
     ),
     Channel(
         CALIBRATION_MARKS,
@@ -283,7 +351,8 @@ CHANNELS: tuple[Channel, ...] = (
         CAMERA_FRAME,
         _CALIBRATION,
         _NONE,
-        "dark dots on the table, rest posture; once",
+        "dark dots on the table, rest posture",
+        once=True,
     ),
     Channel(
         CALIBRATION_POSITIONS,
@@ -293,7 +362,10 @@ CHANNELS: tuple[Channel, ...] = (
         ROOT_FRAME,
         _CALIBRATION,
         _NONE,
-        "measured positions of the dots, by rows from far to near, each from left to right; once",
+        "measured positions of the dots, by rows from far to near, each from left to right",
+        once=True,
+        lowest=-_REACH,
+        highest=_REACH,
     ),
     Channel(
         CALIBRATION_PATTERN,
@@ -303,7 +375,8 @@ CHANNELS: tuple[Channel, ...] = (
         "",
         _CALIBRATION,
         _NONE,
-        'grid of the dots: {"rows": r, "columns": c}; once',
+        'grid of the dots: {"rows": r, "columns": c}',
+        once=True,
     ),
 )
 

@@ -1,11 +1,13 @@
 """Messages as ROS 2 bytes (CDR) and back, without ROS."""
 
 import functools
+import io
 from typing import Any
 
 import numpy as np
 
 from data_collection import channels
+from data_collection.limits import MAX_PIXELS
 from data_collection.messages import CameraInfo, Floats, Image, JointState, Transform, Value
 
 NANOSECONDS = 1_000_000_000
@@ -38,13 +40,23 @@ def decode_image(data: bytes) -> Image:
     """Return a PNG or JPEG as RGB (H, W, 3).
 
     Raises:
-        ValueError: The bytes are no image.
+        ValueError: The bytes are no image, or one of more than ``MAX_PIXELS``.
     """
     import cv2
+    from PIL import Image as Pillow
+    from PIL import UnidentifiedImageError
 
+    # The size is read from the header first: a few bytes can claim gigabytes of pixels.
+    try:
+        with Pillow.open(io.BytesIO(data), formats=("PNG", "JPEG")) as header:
+            width, height = header.size
+    except (UnidentifiedImageError, Pillow.DecompressionBombError) as error:
+        raise ValueError(f"no PNG or JPEG of at most {MAX_PIXELS:,} pixels") from error
+    if width * height > MAX_PIXELS:
+        raise ValueError(f"image of {width:,} × {height:,} pixels, at most {MAX_PIXELS:,} are read")
     image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
-    if image is None:
-        raise ValueError("image cannot be decoded (PNG or JPEG expected)")
+    if image is None or image.shape[:2] != (height, width):
+        raise ValueError("the image is damaged")
     return np.ascontiguousarray(image[:, :, ::-1])
 
 

@@ -45,22 +45,22 @@ def regenerate(log: Log) -> Log:
         )
     try:
         simulation = Simulation.from_mapping(json.loads(log.metadata["settings"]))
-    except ValueError as error:
-        raise LogError(f"{log.source}: its settings do not fit this version:\n{error}") from error
-    seed, trial = int(log.metadata["seed"]), int(log.metadata["trial"])
+        seed, trial = int(log.metadata["seed"]), int(log.metadata["trial"])
+        commands = [Command(**json.loads(log.metadata["command"]))] if "command" in log.metadata else []
+    except (ValueError, TypeError, RecursionError) as error:
+        raise LogError(f"{log.source}: its metadata do not fit this version:\n{error}") from error
     experiment, set_name = log.metadata["experiment"], log.metadata["set"]
     provenance = _provenance(log.metadata)
     if set_name == "calibration":
         return calibrate(simulation, experiment=experiment, seed=seed, provenance=provenance)
-    if "command" in log.metadata:
-        command = Command(**json.loads(log.metadata["command"]))
+    if commands:
         return next(
             execute(
                 simulation,
                 experiment=experiment,
                 set_name=set_name,
                 seed=seed,
-                commands=[command],
+                commands=commands,
                 provenance=provenance,
             )
         )

@@ -1,31 +1,26 @@
-"""Reading and writing logs: MCAP files, ROS 2 profile, every byte under a checksum.
+"""Reading and writing logs: MCAP files, ROS 2 profile, every byte under a checksum."""
 
-The file has no summary-only shortcuts: it is read from front to back with the CRC of each chunk, of the whole data
-section and of the summary checked, because a reader that seeks misses most single-bit damage.
-"""
-
-import io
 import os
 import tempfile
-import zlib
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
 
 from mcap.records import Channel as ChannelRecord
-from mcap.records import DataEnd, Footer, Metadata, Schema
 from mcap.records import Message as MessageRecord
-from mcap.stream_reader import StreamReader
+from mcap.records import Metadata, Schema
 from mcap.writer import Writer
 
 from data_collection import codec
-from data_collection.channels import BY_TOPIC
+from data_collection.channels import BY_TOPIC, IMAGE
+from data_collection.limits import MAX_IMAGE_BYTES, MAX_LOG_BYTES, MAX_MESSAGE_BYTES, MAX_MESSAGES
+from data_collection.mcap_records import DamageError, records
 from data_collection.messages import Value
 
 METADATA_NAME = "cross_situational_learning"
 _LIBRARY = "cross-situational-learning"
-_TAIL = 12  # bytes: checksum of the summary, closing magic
 
 
 class LogError(ValueError):
@@ -91,15 +86,24 @@ def write_log(path: Path, log: Log) -> None:
 def read_log(path: Path) -> Log:
     """Read a log with every checksum checked; topics that are not in ``CHANNELS`` are passed over.
 
+    Messages come in order of time, whatever their order in the file.
+
     Raises:
-        LogError: The file is missing, truncated, damaged or no MCAP, or a topic is not of its type in ``CHANNELS``.
+        LogError: The file is missing, truncated, damaged, too large or no MCAP, or a topic is not of its type in
+            ``CHANNELS``, or comes again where it may come once.
     """
     try:
-        return _read(path.read_bytes(), str(path))
+        if not path.is_file():
+            raise LogError(f"{path}: there is no such file")
+        with path.open("rb") as stream:
+            content = stream.read(MAX_LOG_BYTES + 1)
+        if len(content) > MAX_LOG_BYTES:
+            raise LogError(f"{path}: larger than {MAX_LOG_BYTES:,} bytes, the most that is read")
+        return _read(content, str(path))
     except LogError:
         raise
-    except FileNotFoundError as error:
-        raise LogError(f"{path}: there is no such file") from error
+    except DamageError as error:
+        raise LogError(f"{path}: {error}") from error
     except Exception as error:  # damaged bytes surface as struct, zstd, unicode, key, memory, … errors
         raise LogError(f"{path}: damaged or not an MCAP log ({type(error).__name__}: {error})") from error
 
@@ -132,43 +136,54 @@ def _read(content: bytes, source: str) -> Log:
     schemas: dict[int, Schema] = {}
     channels: dict[int, ChannelRecord] = {}
     metadata: dict[str, str] = {}
-    raw: list[tuple[int, str, str, bytes]] = []
-    stream = io.BytesIO(content)
-    ended, footer = False, None
-    # A damaged length must not be taken at its word: no record is larger than the file, chunks are inside one.
-    for record in StreamReader(stream, validate_crcs=True, record_size_limit=len(content)).records:
+    raw: list[tuple[int, str, bytes]] = []
+    counts: Counter[str] = Counter()
+    for record in records(content):
         match record:
             case Schema():
-                schemas[record.id] = record
+                if schemas.setdefault(record.id, record) != record:
+                    raise LogError(f"{source}: schema {record.id} is defined twice, in different ways")
             case ChannelRecord():
-                channels[record.id] = record
+                if channels.setdefault(record.id, record) != record:
+                    raise LogError(f"{source}: channel {record.id} is defined twice, in different ways")
             case Metadata() if record.name == METADATA_NAME:
                 metadata = dict(record.metadata)
             case MessageRecord():
-                topic = channels[record.channel_id].topic
-                if topic in BY_TOPIC:
-                    schema = schemas[channels[record.channel_id].schema_id]
-                    raw.append((record.log_time, topic, schema.name, record.data))
-            case DataEnd():
-                ended = True
-            case Footer():
-                footer = record
-    if not ended or footer is None or stream.read(1):
-        raise LogError(f"{source}: the file is truncated, or something follows its end")
-    # The reader leaves out this one: from the start of the summary to the checksum itself.
-    summary = content[footer.summary_start : -_TAIL]
-    if footer.summary_crc and footer.summary_crc != zlib.crc32(summary):
-        raise LogError(f"{source}: damaged (checksum of the summary)")
+                time, channel = record.log_time, channels.get(record.channel_id)
+                if channel is None:
+                    raise LogError(f"{source}: a message at {time} ns is on channel {record.channel_id}, not defined")
+                if channel.topic in BY_TOPIC:
+                    counts[channel.topic] += 1
+                    schema = schemas.get(channel.schema_id)
+                    if reason := _unfit(record.data, channel, schema, counts):
+                        raise LogError(f"{source}: {channel.topic} at {time} ns {reason}")
+                    raw.append((time, channel.topic, record.data))
     raw.sort(key=lambda item: item[0])
-    messages = tuple(_decode(source, *item) for item in raw)
-    return Log(metadata, messages, source)
+    return Log(metadata, tuple(_decode(source, *item) for item in raw), source)
 
 
-def _decode(source: str, time: int, topic: str, type_name: str, data: bytes) -> Message:
-    expected = BY_TOPIC[topic].type
-    if type_name != expected:
-        raise LogError(f"{source}: {topic} at {time} ns is of type {type_name}, {expected} is expected")
+def _unfit(data: bytes, record: ChannelRecord, schema: Schema | None, counts: Counter[str]) -> str | None:
+    """Return why a message on a topic of ``CHANNELS`` is not even decoded, or None."""
+    channel = BY_TOPIC[record.topic]
+    if schema is None or schema.name != channel.type:
+        return f"is of type {schema.name if schema else 'unknown'}, {channel.type} is expected"
+    if (record.message_encoding, schema.encoding) != ("cdr", "ros2msg"):
+        return (
+            f"is encoded as {record.message_encoding!r} with schema {schema.encoding!r}, cdr and ros2msg are expected"
+        )
+    limit = MAX_IMAGE_BYTES if channel.type == IMAGE else MAX_MESSAGE_BYTES
+    if len(data) > limit:
+        return f"has {len(data):,} bytes, at most {limit:,} are read"
+    if channel.once and counts[channel.topic] > 1:
+        return "comes again, once is expected"
+    if counts.total() > MAX_MESSAGES:
+        return f"is one of more than {MAX_MESSAGES:,} messages, the most that are read"
+    return None
+
+
+def _decode(source: str, time: int, topic: str, data: bytes) -> Message:
     try:
-        return Message(topic, time, codec.decode(type_name, data))
+        return Message(topic, time, codec.decode(BY_TOPIC[topic].type, data))
     except Exception as error:
-        raise LogError(f"{source}: {topic} at {time} ns cannot be decoded ({error})") from error
+        reason = str(error) or type(error).__name__
+        raise LogError(f"{source}: {topic} at {time} ns cannot be decoded ({reason})") from error

@@ -11,13 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from data_collection.limits import WORD_PATTERN
 from data_collection.schema import build, mismatches, setting
 from data_collection.shapes import BUILDERS
 
 ACTIONS = ("reach", "touch", "grasp", "look-at")
 """The physical outcomes that the tutor tells apart."""
 ACTION, POSITION, OBJECT, COLOR = "action", "position", "object", "color"
-WORD_PATTERN = r"^\S+$"
 
 _DEFAULT_SIZES = {"box": 0.044, "cup": 0.052, "ball": 0.054}
 

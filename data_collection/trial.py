@@ -1,6 +1,7 @@
 """What one log says, as typed views; features never touch topics."""
 
 import json
+import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -9,6 +10,7 @@ import numpy as np
 
 from data_collection import channels
 from data_collection.channels import LogKind
+from data_collection.limits import WORD_RULE, is_word
 from data_collection.mcap_log import Log, LogError
 from data_collection.messages import CameraInfo, Floats, Image, JointState, Value
 from data_collection.validation import kind_of, problems
@@ -151,15 +153,17 @@ def truth(log: Log) -> Truth | None:
         known, happened = json.loads(scene), json.loads(outcome)
         objects = known["objects"]
         result = Truth(
-            object_words=tuple(str(item["object"]) for item in objects),
-            color_words=tuple(str(item["color"]) for item in objects),
-            place_words=tuple(str(item["place"]) for item in objects),
+            object_words=tuple(_word(item["object"]) for item in objects),
+            color_words=tuple(_word(item["color"]) for item in objects),
+            place_words=tuple(_word(item["place"]) for item in objects),
             positions=np.array([item["position"] for item in objects], dtype=np.float64).reshape(-1, 2),
-            attended=int(known["attended"]),
-            action_word=str(happened["word"]),
+            attended=operator.index(known["attended"]),
+            action_word=_word(happened["word"]),
             outcome=happened,
         )
-    except (KeyError, TypeError, ValueError) as error:
+        if not np.isfinite(result.positions).all():
+            raise ValueError("a position is not finite")
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise LogError(
             f"{log.source}: {channels.TRUTH_SCENE} or {channels.TRUTH_OUTCOME} is not as documented "
             f"({type(error).__name__}: {error})"
@@ -169,6 +173,13 @@ def truth(log: Log) -> Truth | None:
             f"{log.source}: {channels.TRUTH_SCENE}: attended is {result.attended}, there are {len(objects)} objects"
         )
     return result
+
+
+def _word(value: Any) -> str:
+    """Return a word; raises ValueError when it is none."""
+    if not (isinstance(value, str) and is_word(value)):
+        raise ValueError(f"{str(value)[:60]!r} is no word ({WORD_RULE})")
+    return value
 
 
 def calibration(log: Log) -> Calibration:

@@ -1,13 +1,20 @@
 """Checks of a log against the table of channels; all problems at once."""
 
 import json
+import re
+from collections.abc import Iterator
 
 import numpy as np
 
 from data_collection import channels
 from data_collection.channels import BY_TOPIC, CHANNELS, JOINT_NAMES, Channel, LogKind
+from data_collection.limits import MAX_PIXELS, MAX_SENTENCE, MAX_TRIAL, WORD_RULE, is_word
 from data_collection.mcap_log import Log, Message
-from data_collection.messages import CameraInfo, JointState, Transform
+from data_collection.messages import CameraInfo, Floats, JointState, Transform
+
+_PATTERN = channels.CALIBRATION_PATTERN
+_DISTORTION_SIZES = (0, 4, 5, 8, 12, 14)
+"""What OpenCV takes; the documented number is 5."""
 
 
 def kind_of(log: Log) -> LogKind:
@@ -38,27 +45,34 @@ def problems(log: Log, kind: LogKind | None = None) -> list[str]:
         reason = _reason(message, BY_TOPIC[message.topic])
         if reason:
             found.append(f"{log.source}: {message.topic} at {message.time} ns: {reason}")
-    if kind != "calibration":
-        number = log.metadata.get("trial", "")
-        if not number.isdecimal() or int(number) < 1:
-            found.append(f"{log.source}: metadata: trial is {number!r}, a number from 1 is needed")
+    if kind == "calibration":
+        return found + [f"{log.source}: {reason}" for reason in _grid_reasons(log)]
+    number = log.metadata.get("trial", "")
+    if not re.fullmatch("[0-9]{1,7}", number) or not 1 <= int(number) <= MAX_TRIAL:
+        found.append(f"{log.source}: metadata: trial is {number[:20]!r}, a number from 1 to {MAX_TRIAL:,} is needed")
     return found
+
+
+def _grid_reasons(log: Log) -> Iterator[str]:
+    """Yield what is wrong between the pattern of a calibration and its positions, each sound by itself."""
+    last = {message.topic: message.value for message in log.messages}
+    pattern, positions = last.get(channels.CALIBRATION_PATTERN), last.get(channels.CALIBRATION_POSITIONS)
+    if isinstance(pattern, str) and isinstance(positions, np.ndarray) and _text_reason(pattern, _PATTERN) is None:
+        size = json.loads(pattern)
+        if size["rows"] * size["columns"] != len(positions):
+            yield (
+                f"{channels.CALIBRATION_POSITIONS}: {len(positions)} positions, "
+                f"but {channels.CALIBRATION_PATTERN} says {size['rows']} × {size['columns']}"
+            )
 
 
 def _reason(message: Message, channel: Channel) -> str | None:
     """Return what is wrong with a value, or None."""
     value = message.value
     if isinstance(value, JointState):
-        return _joint_reason(value)
+        return _joint_reason(value) or _range_reason(value.position, channel)
     if isinstance(value, CameraInfo):
-        if (
-            value.width < 1
-            or value.height < 1
-            or not np.isfinite(value.K).all()
-            or min(value.K[0, 0], value.K[1, 1]) <= 0
-        ):
-            return "size and focal lengths must be positive and finite"
-        return None
+        return _camera_reason(value)
     if isinstance(value, str):
         return _text_reason(value, channel.topic)
     if isinstance(value, tuple):
@@ -75,10 +89,24 @@ def _reason(message: Message, channel: Channel) -> str | None:
         return f"{numbers.size} values, {channel.length} are expected ({channel.unit})"
     if not np.isfinite(numbers).all():
         return "not finite"
+    return _range_reason(numbers, channel)
+
+
+def _range_reason(numbers: Floats, channel: Channel) -> str | None:
     if channel.lowest is not None and numbers.min(initial=channel.lowest) < channel.lowest:
         return f"{numbers.min():g} is below {channel.lowest:g} ({channel.unit})"
     if channel.highest is not None and numbers.max(initial=channel.highest) > channel.highest:
         return f"{numbers.max():g} is above {channel.highest:g} ({channel.unit})"
+    return None
+
+
+def _camera_reason(value: CameraInfo) -> str | None:
+    if not 1 <= value.width * value.height <= MAX_PIXELS:
+        return f"size of {value.width:,} × {value.height:,} must be positive, and at most {MAX_PIXELS:,} pixels"
+    if not np.isfinite(value.K).all() or min(value.K[0, 0], value.K[1, 1]) <= 0:
+        return "focal lengths must be positive, and all of K finite"
+    if value.D.size not in _DISTORTION_SIZES or not np.isfinite(value.D).all():
+        return f"{value.D.size} coefficients of distortion; expected are finite ones, {_DISTORTION_SIZES} of them"
     return None
 
 
@@ -96,15 +124,21 @@ def _joint_reason(value: JointState) -> str | None:
 
 
 def _text_reason(value: str, topic: str) -> str | None:
-    if not (topic.startswith(channels.TRUTH_PREFIX) or topic == channels.CALIBRATION_PATTERN):
+    if topic == channels.SENTENCE:
+        words = value.split()
+        bad = [word for word in words if not is_word(word)]
+        if bad:
+            return f"{bad[0][:60]!r} is no word ({WORD_RULE})"
+        return f"{len(words)} words, at most {MAX_SENTENCE} are expected" if len(words) > MAX_SENTENCE else None
+    if not (topic.startswith(channels.TRUTH_PREFIX) or topic == _PATTERN):
         return None
     try:
         parsed = json.loads(value)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         return f"no JSON ({error})"
-    if topic == channels.CALIBRATION_PATTERN and not (
+    if topic == _PATTERN and not (
         isinstance(parsed, dict)
-        and all(isinstance(parsed.get(key), int) and parsed[key] > 1 for key in ("rows", "columns"))
+        and all(type(parsed.get(key)) is int and 1 < parsed[key] <= 1000 for key in ("rows", "columns"))
     ):
-        return 'must be {"rows": r, "columns": c} with whole numbers above 1'
+        return 'must be {"rows": r, "columns": c} with whole numbers from 2 to 1000'
     return None

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, is_dataclass
 from typing import Annotated, Any, Literal, cast, get_args, get_origin, get_type_hints
 
+from data_collection.limits import PATH_PATTERN
+
 
 @dataclass(frozen=True)
 class About:
@@ -142,7 +144,7 @@ def schema(cls: type[Any] = FeatureSettings) -> dict[str, Any]:
         elif get_origin(kind) is Literal:
             entry["enum"] = list(get_args(kind))
         elif kind is str:
-            entry |= {"type": "string", "minLength": 1}
+            entry |= {"type": "string", "minLength": 1, "maxLength": 4000, "pattern": PATH_PATTERN}
         else:
             number = {"type": "integer" if kind is int else "number"}
             entry |= number | {"minimum": about.lowest, "maximum": about.highest}

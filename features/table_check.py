@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from data_collection.limits import MAX_NUMBER, MAX_VECTOR_LENGTH, WORD_RULE, is_word
 from features.table_columns import EXPECTED, OBJECTS, TRIALS, Column, nulls, numbers
 
 MAX_ROWS_NAMED = 20
@@ -90,8 +91,8 @@ def _word_problem(sentence: Sequence[str | None], allowed: Sequence[str] | None)
     """Say what is wrong with a sentence; empty if nothing is."""
     if any(word is None for word in sentence):
         return "has a word that is null; expected text"
-    if any(word is not None and (not word or word != word.strip()) for word in sentence):
-        return f"{list(sentence)} has a word that is empty or has spaces around it; expected a bare word"
+    if bad := [word for word in sentence if word is not None and not is_word(word)]:
+        return f"{bad[0][:60]!r} is no word; expected {WORD_RULE}"
     unknown = [word for word in sentence if allowed is not None and word not in allowed]
     if unknown:
         return f"{', '.join(map(repr, unknown))} not among the experiment's words: {', '.join(allowed or ())}"
@@ -124,6 +125,10 @@ def _vector_problems(file: str, column: Column, values: Any, null: NDArray[np.bo
         file, column.name, np.flatnonzero(unusable & ~missing),
         lambda row: "holds nan or infinity; expected finite numbers",
     )  # fmt: skip
+    huge = any_in_row(np.abs(np.nan_to_num(number, posinf=0, neginf=0)) > MAX_NUMBER)
+    problems += _at(file, column.name, np.flatnonzero(huge), lambda row: f"holds a number beyond ±{MAX_NUMBER:g}")
+    if usual > MAX_VECTOR_LENGTH:
+        problems.append(f"{file}: column {column.name!r}: {usual:,} numbers a row; at most {MAX_VECTOR_LENGTH:,}")
     if column.histogram:
         negative = any_in_row(number < 0)
         problems += _at(

@@ -13,13 +13,11 @@ from typing import Any, Literal
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-MAX_BYTES = 2**31
-"""Largest file, and largest decompressed content, that is read."""
-MAX_VALUES = 2 * 10**8
-"""Largest number of values of one column (rows × list length)."""
+from data_collection.limits import MAX_TABLE_BYTES, MAX_TABLE_ROWS, MAX_TABLE_VALUES, MAX_TEXT_BYTES
 
 Kind = Literal["integer", "text", "words", "vector"]
 
@@ -81,33 +79,67 @@ def load(path: Path, columns: Sequence[Column]) -> tuple[Any, list[str]]:
     """
     if not path.is_file():
         return None, [f"{path}: no such file" if not path.exists() else f"{path}: not a file"]
-    if path.stat().st_size > MAX_BYTES:
-        return None, [f"{path}: {path.stat().st_size:,} bytes; at most {MAX_BYTES:,} are read"]
+    if path.stat().st_size > MAX_TABLE_BYTES:
+        return None, [f"{path}: {path.stat().st_size:,} bytes; at most {MAX_TABLE_BYTES:,} are read"]
     try:
-        with pq.ParquetFile(path, page_checksum_verification=True) as file:
-            problems = _too_big(path, file.metadata)
-            table = None if problems else file.read()
-            if table is not None:
-                table.validate(full=True)
-    except (pa.ArrowException, OSError, ValueError) as error:
+        with pq.ParquetFile(path) as file:
+            if problems := _too_big(path, file.metadata):
+                return None, problems
+            # Only columns that the contract knows are read, and texts as dictionaries: a short list of long texts
+            # could else become gigabytes.
+            usable, problems = conform(str(path), file.schema_arrow.empty_table(), columns)
+            texts = [leaf.path for leaf in map(file.schema.column, range(len(file.schema))) if _is_text(leaf)]
+        with pq.ParquetFile(path, read_dictionary=texts, page_checksum_verification=True) as file:
+            table = file.read(columns=usable.column_names)
+            table.validate(full=True)
+            table = table.select(usable.column_names)
+            if long := [name for name in table.column_names if _longest_text(table.column(name)) > MAX_TEXT_BYTES]:
+                return None, [f"{path}: column {long[0]!r} has a text of more than {MAX_TEXT_BYTES} bytes"]
+            kept, more = conform(
+                str(path), table, [column for column in columns if column.name in table.column_names]
+            )
+    except (pa.ArrowException, OSError, ValueError, MemoryError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         return None, [f"{path}: not a Parquet file, truncated or damaged: {reason}"]
-    return (None, problems) if problems else conform(str(path), table, columns)
+    return kept, problems + more
 
 
 def _too_big(path: Path, metadata: Any) -> list[str]:
     """Refuse by the file's own metadata what would exhaust the memory when decompressed."""
-    size, values = 0, 0
-    for group in range(metadata.num_row_groups):
-        chunks = [metadata.row_group(group).column(i) for i in range(metadata.num_columns)]
+    size, numbers, texts = 0, 0, 0
+    for i in range(metadata.num_columns):
+        chunks = [metadata.row_group(group).column(i) for group in range(metadata.num_row_groups)]
         size += sum(chunk.total_uncompressed_size for chunk in chunks)
-        values += max((chunk.num_values for chunk in chunks), default=0)
-    if size > MAX_BYTES or max(values, metadata.num_rows) > MAX_VALUES:
+        values = sum(chunk.num_values for chunk in chunks)
+        if _is_text(metadata.schema.column(i)):
+            texts = max(texts, values)
+        else:
+            numbers = max(numbers, values)
+    rows = metadata.num_rows
+    if size > MAX_TABLE_BYTES or numbers > MAX_TABLE_VALUES or max(rows, texts) > MAX_TABLE_ROWS:
         return [
-            f"{path}: holds {metadata.num_rows:,} rows, {values:,} values in one column and {size:,} bytes; "
-            f"at most {MAX_VALUES:,} values and {MAX_BYTES:,} bytes are read"
+            f"{path}: holds {rows:,} rows, up to {numbers:,} numbers and {texts:,} texts in one column and {size:,} "
+            f"bytes; at most {MAX_TABLE_ROWS:,} rows and texts, {MAX_TABLE_VALUES:,} numbers and {MAX_TABLE_BYTES:,} "
+            "bytes are read"
         ]
     return []
+
+
+def _is_text(leaf: Any) -> bool:
+    """Whether a column of a Parquet schema holds texts or other bytes."""
+    return str(leaf.physical_type) == "BYTE_ARRAY"
+
+
+def _longest_text(values: Any) -> int:
+    """Bytes of the longest text of a column that was read as a dictionary; 0 for another column."""
+    longest = 0
+    for chunk in values.chunks:
+        inner = (
+            chunk.values if hasattr(chunk.type, "value_type") and not pa.types.is_dictionary(chunk.type) else chunk
+        )
+        if pa.types.is_dictionary(inner.type):
+            longest = max(longest, pc.max(pc.binary_length(inner.dictionary)).as_py() or 0)
+    return longest
 
 
 def conform(file: str, table: Any, columns: Sequence[Column]) -> tuple[Any, list[str]]:
@@ -139,22 +171,25 @@ def conform(file: str, table: Any, columns: Sequence[Column]) -> tuple[Any, list
 
 def _is_kind(type_: Any, column: Column) -> bool:
     """Whether an Arrow type holds the column's kind without loss."""
-    is_text = pa.types.is_string, pa.types.is_large_string, pa.types.is_string_view
+
+    def is_text(type_: Any) -> bool:
+        if pa.types.is_dictionary(type_):
+            type_ = type_.value_type
+        return any(test(type_) for test in (pa.types.is_string, pa.types.is_large_string, pa.types.is_string_view))
+
     is_list = pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list
     if pa.types.is_null(type_):
         return column.nullable
     if column.kind == "integer":
         return bool(pa.types.is_integer(type_))
     if column.kind == "text":
-        if pa.types.is_dictionary(type_):
-            type_ = type_.value_type
-        return any(test(type_) for test in is_text)
+        return is_text(type_)
     if not any(test(type_) for test in is_list):
         return False
     if column.kind == "vector":
         return bool(pa.types.is_floating(type_.value_type))
     # a file in which every sentence is empty has no type of word
-    return bool(pa.types.is_null(type_.value_type)) or any(test(type_.value_type) for test in is_text)
+    return bool(pa.types.is_null(type_.value_type)) or is_text(type_.value_type)
 
 
 def nulls(array: Any) -> NDArray[np.bool_]:

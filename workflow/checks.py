@@ -38,6 +38,14 @@ def contradictions(name: str, config: Mapping[str, Any]) -> Iterator[str]:
         return
     if "data" in experiments[owner] and owner != name:
         yield f"{where}.data: {owner} has no data of its own but shares those of {experiments[owner]['data']}"
+    for other in sorted(experiments):
+        if other < name and other.lower() == name.lower():
+            yield f"{where}: differs from experiments.{other} only in capitals, which some disks do not tell apart"
+    variants = sorted(own.get("variants", {}))
+    for i, variant in enumerate(variants):
+        for other in variants[:i]:
+            if other.lower() == variant.lower():
+                yield f"{where}.variants.{variant}: differs from {other} only in capitals"
     words = own.get("words", experiments[owner].get("words"))
     if words is None:
         yield f"{where}: key 'words' is missing (the words by channel: the true channel of each word)"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
@@ -17,10 +18,12 @@ from jsonschema.validators import extend
 from referencing import Registry
 from referencing.jsonschema import DRAFT202012
 
+from data_collection.limits import MAX_CONFIG_BYTES, MAX_CONFIG_VALUES, MAX_NUMBER_LENGTH
 from features.files import replacing
 
 SCHEMAS = Path(__file__).parent / "schemas"
-SIZE_LIMIT = 1_000_000
+MOST_PROBLEMS = 100
+"""So many problems are told; the rest is counted."""
 COPY = ".config.yaml"  # in the output folder
 
 
@@ -30,6 +33,8 @@ class ConfigError(ValueError):
     def __init__(self, source: str, problems: Iterable[str]) -> None:
         self.problems = tuple(problems)
         count = len(self.problems)
+        if count > MOST_PROBLEMS:
+            self.problems = (*self.problems[:MOST_PROBLEMS], f"and {count - MOST_PROBLEMS} more")
         head = f"{source}: {count} problem{'s' if count > 1 else ''}, nothing was started:"
         super().__init__("\n".join([head, *(f"  {problem}" for problem in self.problems)]))
 
@@ -38,15 +43,20 @@ def read_config(path: Path) -> dict[str, Any]:
     """Read a YAML config as plain data.
 
     Raises:
-        ConfigError: the file is missing, too large, not YAML, not a mapping, has tags, or has a key twice.
+        ConfigError: the file is missing, too large, not YAML, not a mapping, has tags or aliases, or has a key twice.
     """
     try:
-        if path.stat().st_size > SIZE_LIMIT:
-            raise ConfigError(str(path), [f"larger than {SIZE_LIMIT} bytes, which no config is"])
-        data = yaml.load(path.read_text(encoding="utf-8"), Loader=_StrictLoader)
+        with path.open("rb") as file:
+            content = file.read(MAX_CONFIG_BYTES + 1)
+        text = content.decode("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigError(str(path), [f"cannot be read: {error}"]) from error
-    except (yaml.YAMLError, RecursionError) as error:
+    if len(content) > MAX_CONFIG_BYTES:
+        raise ConfigError(str(path), [f"larger than {MAX_CONFIG_BYTES:,} bytes, which no config is"])
+    try:
+        data = yaml.load(text, Loader=_StrictLoader)
+    # A number or a date that is none is a ValueError of the library's.
+    except (yaml.YAMLError, RecursionError, ValueError) as error:
         raise ConfigError(str(path), [f"is not plain YAML: {' '.join(str(error).split())}"]) from error
     if not isinstance(data, dict):
         raise ConfigError(str(path), ["must be a mapping that begins with keys such as `experiments:`"])
@@ -77,33 +87,48 @@ def origin(path: Path) -> Path:
 
 
 class _StrictLoader(yaml.SafeLoader):
-    """Safe YAML without duplicate keys and without aliases, which could blow a small file up."""
+    """Safe YAML of bounded size without tags, without duplicate keys, and without aliases, which blow a file up."""
+
+    values = 0
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen: set[Any] = set()
         for key_node, _ in node.value:
-            key = self.construct_object(key_node, deep=True)
-            if not isinstance(key, str):
+            if not isinstance(key_node, yaml.ScalarNode) or key_node.tag != "tag:yaml.org,2002:str":
                 raise yaml.constructor.ConstructorError(
-                    None, None, f"key {key!r} is not text (quote it)", key_node.start_mark
+                    None, None, f"key {_short(key_node.value)} is not text (quote it)", key_node.start_mark
                 )
-            if key in seen:
-                raise yaml.constructor.ConstructorError(None, None, f"key {key!r} stands twice", key_node.start_mark)
-            seen.add(key)
+            if key_node.value in seen:
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"key {_short(key_node.value)} stands twice", key_node.start_mark
+                )
+            seen.add(key_node.value)
         return super().construct_mapping(node, deep)
 
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
-        if self.check_event(yaml.AliasEvent):
-            event = self.peek_event()  # type: ignore[no-untyped-call]
-            raise yaml.composer.ComposerError(None, None, "aliases are not used here", event.start_mark)
-        return super().compose_node(parent, index)
+        event = self.peek_event()  # type: ignore[no-untyped-call]
+        self.values += 1
+        problem = None
+        if isinstance(event, yaml.AliasEvent):
+            problem = "aliases are not used here"
+        elif event.tag is not None:
+            problem = "tags are not used here"
+        elif self.values > MAX_CONFIG_VALUES:
+            problem = f"more than {MAX_CONFIG_VALUES:,} values, which no config has"
+        if problem:
+            raise yaml.composer.ComposerError(None, None, problem, event.start_mark)
+        node = super().compose_node(parent, index)
+        is_number = isinstance(node, yaml.ScalarNode) and node.tag != "tag:yaml.org,2002:str"
+        if node is not None and is_number and len(node.value) > MAX_NUMBER_LENGTH:
+            raise yaml.composer.ComposerError(None, None, "a number that is too long", node.start_mark)
+        return node
 
 
 def schema_problems(config: Mapping[str, Any]) -> list[str]:
     """Everything in which a config departs from the schema, each naming its key and what is allowed."""
     errors = _validator().iter_errors(config)
-    problems = [problem for error in errors for problem in _explain(error)]
-    return sorted(set(problems))
+    problems = {problem for error in errors for problem in _explain(error)}
+    return sorted(problems)
 
 
 def default(key: str, of: str = "experiment") -> Any:
@@ -137,8 +162,15 @@ def _validator() -> Draft202012Validator:
     registry: Registry[Any] = Registry().with_resources(
         (name, DRAFT202012.create_resource(schema)) for name, schema in _schemas().items()
     )
-    strict: Any = extend(Draft202012Validator, type_checker=types)  # type: ignore[no-untyped-call]
+    unique = {"uniqueItems": _unique_items}
+    strict: Any = extend(Draft202012Validator, unique, type_checker=types)  # type: ignore[no-untyped-call]
     return cast(Draft202012Validator, strict(_schemas()["config.schema.json"], registry=registry))
+
+
+def _unique_items(_: Any, wanted: bool, value: Any, __: Any) -> Iterator[ValidationError]:
+    """The keyword `uniqueItems`; the library's compares each with each where kinds are mixed."""
+    if wanted and isinstance(value, list) and len(set(map(repr, value))) < len(value):
+        yield ValidationError("not unique")
 
 
 def key_path(parts: Iterable[str | int]) -> str:
@@ -162,10 +194,11 @@ def _explain(error: ValidationError) -> Iterator[str]:
     note = f" ({meaning})" if meaning else ""
     if rule == "additionalProperties":
         allowed = sorted(schema.get("properties", {}))
-        for key in sorted(set(value) - set(allowed)):
+        unknown = sorted(set(value) - set(allowed))
+        for key in unknown[:MOST_PROBLEMS]:
             close = difflib.get_close_matches(key, allowed, n=1)
             hint = f"; did you mean {close[0]!r}?" if close else ""
-            yield f"{where}: unknown key {key!r}{hint} (allowed: {', '.join(allowed)})"
+            yield f"{where}: unknown key {_short(key)}{hint} (allowed: {', '.join(allowed)})"
     elif rule == "required":
         for key in sorted(set(limit) - set(value)):
             yield f"{where}: key {key!r} is missing{note}"
@@ -176,8 +209,9 @@ def _explain(error: ValidationError) -> Iterator[str]:
         kinds = " or ".join(_TYPES.get(kind, kind) for kind in expected)
         yield f"{where}: {_short(value)} must be {kinds}{note}"
     elif rule == "uniqueItems":
-        twice = [item for i, item in enumerate(value) if item in value[:i]]
-        yield f"{where}: {_short(twice[0])} stands twice{note}"
+        counts = Counter(map(repr, value))
+        twice = next(item for item in value if counts[repr(item)] > 1)
+        yield f"{where}: {_short(twice)} stands twice{note}"
     elif rule == "pattern" and len(error.absolute_path) and error.absolute_path[-1] != value:
         yield f"{where}: {_short(value)} is not allowed{note}"
     elif rule == "pattern":

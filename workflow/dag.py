@@ -169,8 +169,7 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
     from snakemake.script import PythonScript
     from snakemake_executor_plugin_slurm import Executor
 
-    update_needrun, finish = DAG.update_needrun, DAG.finish
-    make_handler, calm = LoggerManager._default_streamhandler, _Calm()
+    finish, make_handler, calm = DAG.finish, LoggerManager._default_streamhandler, _Calm()
 
     async def decided(dag: Any, create_inventory: bool = False) -> None:
         ordered = [job for level in dag.toposorted() for job in sorted(level, key=_name)]

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from data_collection.limits import MAX_FITS
 from workflow.checks import contradictions, data_problems, grid_problems
-from workflow.config import ConfigError, default, read_config, schema_problems
+from workflow.config import ConfigError, default, key_path, read_config, schema_problems
 from workflow.study import SHARED_KEYS, Experiment, Study
 
 
@@ -34,6 +35,12 @@ def plan(config: Mapping[str, Any], path: Path) -> Study:
     if problems:
         raise ConfigError(str(path), problems)
     study = Study(experiments, path.parent)
+    if jobs := {name: count for name in experiments if (count := study.size(name)) > MAX_FITS}:
+        tells = "{}: asks for {:,} fits and parts of a simulation; at most {:,} are run (fewer seeds, D or variants)"
+        raise ConfigError(
+            str(path),
+            [tells.format(key_path(["experiments", name]), count, MAX_FITS) for name, count in jobs.items()],
+        )
     problems = [
         problem for name in experiments for problem in (*grid_problems(study, name), *data_problems(study, name))
     ]

@@ -122,6 +122,16 @@ class Study:
                         for seed in range(1, settings["seeds"] + 1):
                             yield Condition(experiment, variant, method, inference, D, ROW, seed)
 
+    def size(self, experiment: str) -> int:
+        """At most so many jobs fit and simulate an experiment; known without listing them."""
+        settings = self.experiments[experiment].settings
+        grid = len(settings["variants"]) * len(inference_names(settings)) * len(settings["D"])
+        fits = grid * (len(settings["methods"]) * len(settings["ROW"]) + 1) * settings["seeds"]
+        own = self.experiments[experiment]
+        simulated = own.source == "simulation" and own.data == experiment
+        trials = len(self.trials(experiment, "train")) if simulated else 0
+        return int(fits + trials // settings["trials_per_job"])
+
     def task_conditions(self, experiment: str, task: str) -> list[Condition]:
         """The fits that a task (`generation`, `description`) tests; none where there is nothing to test them on."""
         asked = self.experiments[experiment].settings[task]

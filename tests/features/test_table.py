@@ -222,10 +222,10 @@ BAD_VALUES: list[tuple[str, str, int, Any, str]] = [
     ("trials", "attended_object", 1, 1, "is 1, but trial 2 has 1 objects; expected 0 to 0"),
     ("trials", "attended_object", 0, -1, "is -1; expected 0 or more, or null"),
     ("trials", "attended_object", 2, None, "is null; expected the attended object"),
-    ("trials", "words", 0, ["red", ""], "empty or has spaces"),
-    ("trials", "words", 0, [" red"], "empty or has spaces"),
+    ("trials", "words", 0, ["red", ""], "is no word; expected"),
+    ("trials", "words", 0, [" red"], "is no word; expected"),
     ("trials", "words", 0, ["red", None], "a word that is null"),
-    *[(file, name, row, "", "empty or has spaces")
+    *[(file, name, row, "", "is no word; expected")
       for file, name in columns_where(lambda column: column.kind == "text") for row in (0, 1)],
     *[(file, name, 0, value, message)
       for file, name in columns_where(lambda column: column.kind == "vector")
@@ -352,13 +352,16 @@ def test_unreadable_file(tmp_path: Path, file: str, how: str, message: str) -> N
 
 
 @pytest.mark.bad_input
-@pytest.mark.parametrize("limit", ["MAX_BYTES", "MAX_VALUES"])
-def test_too_big(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str) -> None:
+@pytest.mark.parametrize(
+    ("limit", "unit"),
+    [("MAX_TABLE_BYTES", " are read"), ("MAX_TABLE_VALUES", " numbers"), ("MAX_TABLE_ROWS", " rows")],
+)
+def test_too_big(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str, unit: str) -> None:
     paths = saved(tmp_path, valid())
-    monkeypatch.setattr(table_columns, limit, 4)
+    monkeypatch.setattr(table_columns, limit, 2)
     problems = check_table(*paths, need_attention=True)
     assert len(problems) == 2
-    assert all("at most 4" in problem for problem in problems)
+    assert all("at most " in problem and f" 2{unit}" in problem for problem in problems)
 
 
 @pytest.mark.bad_input
@@ -368,7 +371,7 @@ def test_a_small_file_that_unpacks_to_too_much_is_not_unpacked(
     tables = {file: arrow(columns, file) for file, columns in valid().items()}
     tables["trials"] = pa.concat_tables([tables["trials"]] * 5000)
     paths = save(tmp_path, tables)
-    monkeypatch.setattr(table_columns, "MAX_VALUES", 10_000)
+    monkeypatch.setattr(table_columns, "MAX_TABLE_ROWS", 10_000)
     monkeypatch.setattr(table_columns.pq.ParquetFile, "read", None)
     table, problems = table_columns.load(paths[0], TRIALS)
     assert table is None

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 
+from data_collection.limits import NAME_PATTERN, NAME_RULE, PATH_PATTERN, WORD_PATTERN, WORD_RULE
+from evaluation.catalogue import FIGURES
+from tests.fuzz import FEW, MANY, MUTATIONS, Mutation, examples, mutated
 from tests.synthetic import WORDS
 from tests.workflow.violations import Breaker
 from workflow.config import SCHEMAS, ConfigError, default, key_path, read_config, schema_problems
@@ -17,6 +24,8 @@ from workflow.plan import load_study, plan
 from workflow.study import Study
 
 FILE = Path("study.yaml")
+GOOD = (SCHEMAS.parent.parent / "config" / "smoke.yaml").read_bytes()
+KEYS = sorted(json.loads((SCHEMAS / "config.schema.json").read_text())["$defs"]["experiment"]["properties"])
 OVERRIDES: dict[str, Any] = {
     "words": WORDS,
     "K": {"action": 3, "position": 4, "object": 5, "color": 6},
@@ -184,7 +193,39 @@ def test_sharing_the_data_of_an_experiment_that_shares() -> None:
         ("a: " + "[" * 5000, "not plain YAML"),
         ("a: " + "x" * 1_100_000, "larger than"),
         (b"\xff\xfe\x00", "cannot be read"),
+        (b"a: caf\xe9", "cannot be read"),
+        (b"a: \x00", "not plain YAML"),
+        (b"a: \x1b[31m", "not plain YAML"),
+        ("a: !!python/name:os.system", "tags are not used"),
+        ("a: !!python/object/new:os.system [true]", "tags are not used"),
+        ("a: !!binary aGVsbG8=", "tags are not used"),
+        ("a: !!set {x}", "tags are not used"),
+        ("a: !!int '5'", "tags are not used"),
+        ("a: !own {x: 1}", "tags are not used"),
+        ("!!map {a: 1}", "tags are not used"),
+        ("a: &x {b: 1}\nc: {<<: *x}", "aliases are not used"),
+        ("a: {<<: {b: 1}}", "'<<' is not text"),
+        ("a: &x [*x]", "aliases are not used"),
+        (
+            "a0: &a0 [x, x]\n" + "".join(f"a{i}: &a{i} [*a{i - 1}, *a{i - 1}]\n" for i in range(1, 60)),
+            "aliases are not",
+        ),
+        ("".join(" " * i + "a:\n" for i in range(600)), "not plain YAML"),
+        ("a: [" + "x," * 100_000 + "]", "more than 20,000 values"),
+        ("a: " + "9" * 5000, "a number that is too long"),
+        ("a: 0x" + "f" * 5000, "a number that is too long"),
+        ("a: " + "1:" * 5000 + "1", "a number that is too long"),
+        ("a: 2001-99-99", "not plain YAML"),
+        ("a: 0x_", "not plain YAML"),
+        ("? [a, b]\n: 1", "is not text"),
+        ("? {a: b}\n: 1", "is not text"),
+        ("null: 1", "is not text"),
+        ("a: 1\n---\nb: 1", "not plain YAML"),
+        ("%YAML 9.9\n---\na: 1", "not plain YAML"),
+        ("a: @b", "not plain YAML"),
+        ("a: *nowhere", "aliases are not used"),
     ],
+    ids=lambda value: repr(value)[:40],
 )
 def test_files_that_are_no_config(tmp_path: Path, text: str | bytes, says: str) -> None:
     path = tmp_path / "config.yaml"
@@ -192,6 +233,171 @@ def test_files_that_are_no_config(tmp_path: Path, text: str | bytes, says: str) 
     with pytest.raises(ConfigError, match=says) as caught:
         read_config(path)
     assert str(path) in str(caught.value)
+
+
+HOSTILE_NAMES = (
+    "", ".", "..", "../x", "/etc/passwd", "a/b", "a\\b", "a;rm -rf", "a b", "a\n", "\n", "a\tb", "$(x)", "`x`",
+    "a|b", "a&b", "a>b", "{wildcard}", "{experiment}", "*", "a*", "~", "-rf", "--help", "1a", "a\0", "a\x1b[31m",
+    "a\u200b", "a\u202eb", "\ud800", "\u0430", "\uff21", "é", "a.b", "a'b", 'a"b', "<b>", "x" * 41, "x" * 200_000,
+    "NA", "nan", "None", "TRUE", "Inf",
+)  # fmt: skip
+HOSTILE_WORDS = (
+    "", " ", "two words", "a\n", "a\tb", "a\0", "a\x07", "a\x1b[31m", "a\x85", "a\xa0b", "a\xad", "a\u200bb",
+    "a\u200d", "\u202eb", "a\u2028b", "a\u2066", "\ufeffa", "\ud800", "\uffff", "=1+1", "+1", "-1", "@cmd",
+    "x" * 41, "x" * 200_000, "NA", "N/A", "nan", "None", "null", "True", "1", "007", ".5", "1.5", "1e5", "1E-5",
+)  # fmt: skip
+
+
+@pytest.mark.bad_input
+@pytest.mark.parametrize("kind", ["experiment", "variant", "data", "figure"])
+@pytest.mark.parametrize("name", HOSTILE_NAMES, ids=lambda name: repr(name)[:30])
+def test_names_that_are_no_part_of_a_path(kind: str, name: str) -> None:
+    config = minimal(**{"variant": {"variants": {name: {}}}, "data": {"data": name, "words": None}}.get(kind, {}))
+    if kind == "experiment":
+        config = {"experiments": {name: config["experiments"]["own"]}}
+    if kind == "figure":
+        config = minimal(figure={"variant": name})
+    problems = problems_of(config)
+    assert any("a letter, then up to 39 letters, digits, _ or -" in problem for problem in problems), problems
+    assert all(len(problem) < 1000 and "\n" not in problem and "\x1b" not in problem for problem in problems)
+
+
+@pytest.mark.bad_input
+@pytest.mark.parametrize("word", HOSTILE_WORDS, ids=lambda word: repr(word)[:30])
+@pytest.mark.parametrize("channel", sorted(WORDS))
+def test_words_that_cannot_be_seen_or_that_spreadsheets_run(channel: str, word: str) -> None:
+    problems = problems_of(minimal(words=WORDS | {channel: [*WORDS[channel], word]}))
+    assert problems[0].startswith(f"experiments.own.words.{channel}[{len(WORDS[channel])}]: ")
+    assert WORD_RULE in problems[0]
+    assert "\x1b" not in problems[0]
+
+
+@pytest.mark.bad_input
+@pytest.mark.parametrize("path", ["", "a\0b", "a\n", "\x1b", "\ud800", "x" * 4001], ids=lambda path: repr(path)[:30])
+@pytest.mark.parametrize("key", ["logs", "trials", "objects", "weights"])
+def test_paths_that_are_none(key: str, path: str) -> None:
+    tables = {"trials": "a", "objects": "b"}
+    change = {"logs": {"logs": path}, "weights": {"feature_extraction": {"weights": path}}}
+    problems = problems_of(minimal(**change.get(key, {"features": tables | {key: path}})))
+    assert any(f"{key}: " in problem for problem in problems), problems
+
+
+@pytest.mark.parametrize(
+    "word",
+    [
+        "look-at",
+        "écarlate",
+        "赤い",
+        "l'eau",
+        "c++",
+        "50%",
+        "<b>",
+        "a&b",
+        "$x$",
+        "a|b",
+        "\\end",
+        "{x}",
+        "nana",
+        "1st",
+        "3D",
+        "a;b",
+    ],
+)
+def test_any_other_word_is_a_word(word: str) -> None:
+    assert schema_problems(minimal(words=WORDS | {"color": [word]})) == []
+
+
+@pytest.mark.bad_input
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"seeds": 100_000},
+        {"D": list(range(1, 2000)), "ROW": list(range(101))},
+        {"trials": 1_000_000, "trials_per_job": 1},
+        {"variants": {f"v{i}": {} for i in range(100)}, "seeds": 1000},
+    ],
+    ids=lambda change: ", ".join(change),
+)
+def test_a_study_of_absurd_size(change: dict[str, Any]) -> None:
+    assert "fits and parts of a simulation; at most 100,000 are run" in problems_of(minimal(**change))[0]
+
+
+@pytest.mark.bad_input
+def test_names_that_some_disks_do_not_tell_apart() -> None:
+    own = minimal()["experiments"]["own"]
+    assert problems_of({"experiments": {"own": own, "Own": own}})[0].startswith(
+        "experiments.own: differs from experiments.Own"
+    )
+    assert "only in capitals" in problems_of(minimal(variants={"few": {}, "Few": {}}))[0]
+
+
+def test_one_schema_of_words_and_paths_everywhere() -> None:
+    known = json.loads((SCHEMAS / "config.schema.json").read_text())["$defs"]
+    assert known["word"]["pattern"] == WORD_PATTERN
+    assert known["word"]["description"] == f"a word: {WORD_RULE}"
+    assert (known["name"]["pattern"], known["name"]["description"]) == (NAME_PATTERN, NAME_RULE)
+    assert known["path"]["pattern"] == known["experiment"]["properties"]["logs"]["pattern"] == PATH_PATTERN
+
+
+def test_no_two_experiments_can_name_one_file() -> None:
+    for one, other in itertools.permutations(FIGURES, 2):
+        assert not one.endswith(f"_{other}")
+
+
+def test_thousands_of_problems_are_told_in_brief() -> None:
+    config = minimal() | {f"key{i}": 1 for i in range(19_000)}
+    error = ConfigError("x", schema_problems(config))
+    assert len(error.problems) <= 101
+    mixed = [value for i in range(9000) for value in (i, f"a{i}")]
+    assert any("must be a whole number" in problem for problem in problems_of(minimal(D=mixed)))
+
+
+@examples(FEW)
+@given(content=st.binary(max_size=300))
+def test_fuzz_any_bytes(shared_folder: Path, content: bytes) -> None:
+    read_anything(shared_folder, content)
+
+
+@examples(FEW)
+@given(mutations=MUTATIONS)
+def test_fuzz_a_config(shared_folder: Path, mutations: list[Mutation]) -> None:
+    read_anything(shared_folder, mutated(GOOD, mutations))
+
+
+@pytest.mark.slow
+@examples(MANY)
+@given(mutations=MUTATIONS)
+def test_fuzz_a_config_much(shared_folder: Path, mutations: list[Mutation]) -> None:
+    read_anything(shared_folder, mutated(GOOD, mutations))
+
+
+LEAVES = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8)
+PLAIN = st.recursive(
+    LEAVES | st.sampled_from(["own", "default", "gmm"]),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(KEYS), inner, max_size=4),
+    max_leaves=8,
+)
+
+
+@examples(FEW)
+@given(own=st.dictionaries(st.sampled_from(KEYS), PLAIN, max_size=6))
+def test_fuzz_any_values(own: dict[str, Any]) -> None:
+    with suppress(ConfigError):
+        plan({"experiments": {"own": minimal()["experiments"]["own"] | own}}, FILE)
+
+
+def read_anything(folder: Path, content: bytes) -> None:
+    """It is planned as what it says, or refused by the documented error."""
+    path = folder / "config.yaml"
+    path.write_bytes(content)
+    with suppress(ConfigError):
+        load_study(path)
+        assert read_config(path) == yaml.safe_load(content.decode())
+
+
+@pytest.fixture(scope="session")
+def shared_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("hostile_configs")
 
 
 def test_a_missing_file(tmp_path: Path) -> None:

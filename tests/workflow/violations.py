@@ -98,8 +98,9 @@ class Breaker:
         if schema.get("minLength", 0) > 0:
             yield "empty", path, ""
         if "pattern" in schema:
-            yield "no name", path, "two words / and ../more"
-            yield "empty", path, ""
+            for bad in ("two words / and ../more", "x\n", "a\0b", ""):
+                if not re.search(schema["pattern"], bad):
+                    yield f"pattern {bad!r}", path, bad
 
     def _broken_list(
         self, schema: dict[str, Any], document: str, value: list[Any], path: Path
