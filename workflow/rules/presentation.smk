@@ -14,23 +14,17 @@ TABLES = tables_of(
         for task in TASKS
         for condition in study.task_conditions(name, task)
     }
-    | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings["D"]}
+    | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings["D"]},
+    {name: experiment.partial_variants for name, experiment in study.experiments.items()},
 )
 
 # The experiments with instructions to answer.
-INSTRUCTED = [name for name in study.experiments if study.task_conditions(name, "generation")]
+INSTRUCTED = [name for name in study.experiments if study.generation_condition(name)]
 
 
 def instructed_fits(wildcards):
-    """The fits, one a seed, that figures of action generation show: most trials, fewest words omitted, first method."""
-    tested = study.task_conditions(wildcards.experiment, "generation")
-    first = min(tested, key=lambda condition: (-condition.D, condition.ROW))
-    return [condition for condition in tested if replace(condition, seed=first.seed) == first]
-
-
-def instructed_tables(wildcards):
-    """The feature tables of the instructions that those fits answer."""
-    return table_files("generation")(instructed_fits(wildcards)[0])
+    """The fits, one a seed, that figures of action generation show."""
+    return study.seeds(study.generation_condition(wildcards.experiment))
 
 
 def largest_D(wildcards):
@@ -163,14 +157,14 @@ rule figure_of_fit:
 
 rule figure_of_instructions:
     input:
-        unpack(instructed_tables),
+        unpack(lambda wildcards: table_files("generation")(study.generation_condition(wildcards.experiment))),
         fits=lambda wildcards: [condition.path for condition in instructed_fits(wildcards)],
     output:
         files_of("instructions"),
     log:
         "joblogs/figures/{experiment}_instructions.log",
     params:
-        condition=lambda wildcards: vars(instructed_fits(wildcards)[0]),
+        condition=lambda wildcards: vars(study.generation_condition(wildcards.experiment)),
         code=tracked("figure_of_instructions.py"),
     script:
         "../scripts/figure_of_instructions.py"
@@ -189,7 +183,7 @@ rule present_uncertain:
     log:
         "joblogs/figures/{experiment}_uncertain.log",
     params:
-        condition=lambda wildcards: vars(instructed_fits(wildcards)[0]),
+        condition=lambda wildcards: vars(study.generation_condition(wildcards.experiment)),
         code=tracked("present_uncertain.py"),
     script:
         "../scripts/present_uncertain.py"
@@ -244,16 +238,12 @@ rule figure_of_confusion:
 
 rule figure_of_generation:
     input:
-        fits=lambda wildcards: [
-            condition.path for condition in study.seeds(study.generation_condition(wildcards.experiment))
-        ],
+        fits=lambda wildcards: [condition.path for condition in instructed_fits(wildcards)],
         answers=lambda wildcards: [
-            f"{GENERATION_PATH}/answers.csv".format(**vars(condition))
-            for condition in study.seeds(study.generation_condition(wildcards.experiment))
+            f"{GENERATION_PATH}/answers.csv".format(**vars(condition)) for condition in instructed_fits(wildcards)
         ],
         logs=lambda wildcards: [
-            f"{GENERATION_PATH}/mcap".format(**vars(condition))
-            for condition in study.seeds(study.generation_condition(wildcards.experiment))
+            f"{GENERATION_PATH}/mcap".format(**vars(condition)) for condition in instructed_fits(wildcards)
         ],
     output:
         generation=files_of("generation"),
