@@ -310,6 +310,18 @@ def report_tables():
     return {name: table.title for name, table in TABLES.items()} | uncertain
 
 
+def droppable():
+    """Each set of which trials may be dropped, by name, and its feature table at the largest D that is used."""
+    for name, experiment in study.experiments.items():
+        extraction = experiment.settings.get("feature_extraction", {})
+        if experiment.data == name and extraction.get("detection", {}).get("on_wrong_count") == "drop":
+            used = {"train": experiment.settings["D"]}
+            used |= {task: [condition.D for condition in study.task_conditions(name, task)] for task in TASKS}
+            for set_name, Ds in used.items():
+                if Ds:
+                    yield f"{name}, {set_name}", f"features/{name}/D{max(Ds)}/{set_name}_trials.parquet"
+
+
 def figure_labels(name):
     """How Snakemake's own report lists a figure."""
     title, figure = titled(name, study.experiments)
@@ -348,12 +360,14 @@ rule report:
             for name in study.experiments
             for D in study.experiments[name].settings["D"]
         ],
+        droppable=list(dict(droppable()).values()),
     output:
         report("report.html", caption="../report/report.rst", category="Report"),
     log:
         "joblogs/report.log",
     params:
         config=config_name(),
+        droppable=list(dict(droppable())),
         experiments={name: portable(experiment) for name, experiment in study.experiments.items()},
         python=python_version(),
         packages=pinned_packages(),
