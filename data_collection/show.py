@@ -15,7 +15,6 @@ from data_collection.settings import ObjectKind, Simulation
 from data_collection.trial import observation, truth
 from data_collection.world import World
 
-_CAPTION = 28
 _EYE, _TOWARDS = np.array([1.02, -0.46, 0.50]), np.array([0.14, -0.02, 0.06])
 
 
@@ -34,11 +33,13 @@ def strip(log: Log, only: tuple[bool, bool, bool] = (True, True, True)) -> Image
     taken = (seen.image_before, seen.image_gaze, seen.image_after)
     pictures = [image for image, wanted in zip(taken, only, strict=True) if wanted and image is not None]
     row = np.hstack(pictures)
-    canvas = Pillow.new("RGB", (row.shape[1], row.shape[0] + _CAPTION), "white")
+    letter = row.shape[0] // 14  # pixels
+    canvas = Pillow.new("RGB", (row.shape[1], row.shape[0] + letter * 3 // 2), "white")
     canvas.paste(Pillow.fromarray(row), (0, 0))
     done = "" if known is None else f"   [{known.outcome.get('action', known.action_word)}]"
     text = f"{seen.trial}: {' '.join(seen.words) or '(nothing said)'}{done}"
-    ImageDraw.Draw(canvas).text((8, row.shape[0] + 5), text, fill="black", font=ImageFont.load_default(size=15))
+    at = (letter // 2, row.shape[0] + letter // 8)
+    ImageDraw.Draw(canvas).text(at, text, fill="black", font=ImageFont.load_default(size=letter))
     return np.asarray(canvas, dtype=np.uint8)
 
 
@@ -95,11 +96,13 @@ def gallery(simulation: Simulation, *, width: int = 900, height: int = 420) -> I
     """Return a picture of all objects of an experiment on the table (Figure 7 of the paper)."""
     kinds = simulation.kinds()
     columns = math.ceil(len(kinds) / 2)
+    aside = 0.06  # metres to the left of the middle, where the right hand at rest is out of the picture
+    ys = [aside + 0.09 * ((columns - 1) / 2 - column) for column in range(columns)]
     placed = [
-        task.Placed(kind, "", (0.30 + 0.12 * (number // columns), 0.09 * ((columns - 1) / 2 - number % columns)), 0.5)
+        task.Placed(kind, "", (0.30 + 0.12 * (number // columns), ys[number % columns]), 0.5)
         for number, kind in enumerate(kinds)
     ]
-    eye, towards = np.array([0.02, 0.0, 0.40]), np.array([0.36, 0.0, simulation.table.height])
+    eye, towards = np.array([0.02, aside, 0.40]), np.array([0.36, aside, simulation.table.height])
     ahead = (towards - eye) / np.linalg.norm(towards - eye)
     with World(simulation) as world:
         world.set_up(placed, None)

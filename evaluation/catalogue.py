@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 TABLE_FORMS = ("csv", "md", "tex", "html")
@@ -112,6 +112,7 @@ class Table:
         tasks: `csl`, or the tasks that use what was learned.
         measures: its columns.
         D: the one number of trials that it shows, None for all.
+        without: the variants that it leaves out.
     """
 
     title: str
@@ -119,6 +120,7 @@ class Table:
     tasks: tuple[str, ...]
     measures: tuple[str, ...]
     D: int | None = None
+    without: tuple[str, ...] = ()
 
 
 MEASURES = {
@@ -139,13 +141,17 @@ PAPER_TABLES = (
 )
 
 
-def tables_of(conditions: Iterable[tuple[str, str, int]]) -> dict[str, Table]:
+def tables_of(
+    conditions: Iterable[tuple[str, str, int]], partial: Mapping[str, Sequence[str]] | None = None
+) -> dict[str, Table]:
     """The tables of a study by file name: those of the paper that it can fill, and one for each experiment and task.
 
     A table of several tasks shows those that are run.
 
     Args:
         conditions: each (experiment, task, D) that is run.
+        partial: by experiment, the variants that are run for a part of the conditions only, as for one figure; the
+            paper's tables leave them out, and those of the experiment show them.
     """
     run = set(conditions)
     tables = {}
@@ -154,7 +160,8 @@ def tables_of(conditions: Iterable[tuple[str, str, int]]) -> dict[str, Table]:
         if tasks:
             which = f", D = {D}" if D else ""
             title = " and ".join(TITLES[task].lower() for task in tasks).capitalize()
-            tables[name] = _table(f"Table {number}. {title}, {experiment}{which}", experiment, tasks, D)
+            without = tuple((partial or {}).get(experiment, ()))
+            tables[name] = _table(f"Table {number}. {title}, {experiment}{which}", experiment, tasks, D, without)
     for experiment, task in sorted({(experiment, task) for experiment, task, _ in run}):
         tables[f"{experiment}_{task}"] = _table(f"{TITLES[task]}, {experiment}", experiment, (task,))
     return tables
@@ -179,5 +186,7 @@ def cell_name(variant: str, inference: str, D: int, ROW: int, method: str, measu
     return f"{variant}-{inference}-D{D}-ROW{ROW}-{method}-{measure}"
 
 
-def _table(title: str, experiment: str, tasks: tuple[str, ...], D: int | None = None) -> Table:
-    return Table(title, experiment, tasks, tuple(measure for task in tasks for measure in MEASURES[task]), D)
+def _table(
+    title: str, experiment: str, tasks: tuple[str, ...], D: int | None = None, without: tuple[str, ...] = ()
+) -> Table:
+    return Table(title, experiment, tasks, tuple(measure for task in tasks for measure in MEASURES[task]), D, without)

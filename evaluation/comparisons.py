@@ -27,7 +27,7 @@ class Cell:
         D: number of trials.
         ROW: rate of omitted words in per cent.
         method: the method.
-        measure: a measure of `scores.csv`, or of `claims.description_cells`.
+        measure: a measure of `scores.csv`, or of `verdicts.description_scores`.
     """
 
     experiment: str

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Patch, Rectangle
 from numpy.typing import NDArray
 
-from evaluation.figures import STYLE
+from evaluation.figures import PAGE_WIDTH, STYLE
 from features.overview import Overview
 
 Image = NDArray[np.uint8]
@@ -29,15 +29,14 @@ def features_overview(seen: Overview, images: Sequence[Image], title: str) -> Fi
         title: experiment and condition.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(10, 13), layout="constrained")
+        figure = Figure(figsize=(PAGE_WIDTH, 11.0), layout="constrained")
         figure.suptitle(f"What the robot sees and feels\n{title}")
-        rows: Any = figure.subfigures(4, 1, height_ratios=(3.4, 3.0, 4.0, 3.2))
+        rows: Any = figure.subfigures(5, 1, height_ratios=(2.6, 2.3, 1.6, 3.3, 2.2))
         _detections(rows[0], seen, images)
-        left, right = rows[1].subfigures(1, 2, width_ratios=(3, 2))
-        _crops(left, seen)
-        _colors(right, seen)
-        _actions(rows[2].subplots(), seen)
-        _projections(rows[3], seen)
+        _crops(rows[1], seen)
+        _colors(rows[2], seen)
+        _actions(rows[3].subplots(), seen)
+        _projections(rows[4], seen)
     return figure
 
 
@@ -53,7 +52,7 @@ def _detections(figure: SubFigure, seen: Overview, images: Sequence[Image]) -> N
             edge = "#c1272d" if m == seen.attended[d] else "#1f5fa8"
             axes.add_patch(
                 Rectangle(
-                    (left - 0.5, top - 0.5), right - left, bottom - top, fill=False, edgecolor=edge, linewidth=2
+                    (left - 0.5, top - 0.5), right - left, bottom - top, fill=False, edgecolor=edge, linewidth=1.5
                 )
             )
 
@@ -116,7 +115,15 @@ def _projections(figure: SubFigure, seen: Overview) -> None:
     for axes, (name, points) in zip(figure.subplots(1, len(seen.projections)), seen.projections.items(), strict=True):
         known = seen.projection_words[name] or (None,) * len(points)
         labels = sorted({word for word in known if word is not None})
-        shades = [palette(labels.index(word) % 10) if word is not None else (0.6, 0.6, 0.6, 1.0) for word in known]
-        axes.scatter(points[:, 0], points[:, 1], c=shades, s=16)
-        axes.legend(handles=[Patch(color=palette(i % 10), label=word) for i, word in enumerate(labels)], fontsize=8)
+        shades: dict[str | None, Any] = {word: palette(i % 10) for i, word in enumerate(labels)}
+        if name == "color":
+            shades |= _mean_colors(seen, labels)
+        axes.scatter(points[:, 0], points[:, 1], c=[shades.get(word, "0.6") for word in known], s=10)
+        axes.legend(handles=[Patch(color=shades[word], label=word) for word in labels], handlelength=1.0)
         axes.set_title(name.replace("_", " "))
+
+
+def _mean_colors(seen: Overview, words: Sequence[str]) -> dict[str | None, Any]:
+    """The mean color of the objects that a color word is true of: red would be confusing in another one."""
+    known = np.array(seen.histogram_words)
+    return {word: seen.histograms[known == word].mean(axis=0) @ seen.codebook / 255.0 for word in words}

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from evaluation.figures import STYLE
+from evaluation.figures import PAGE_WIDTH, STYLE
 from evaluation.generation import answers
 from evaluation.uncertain import KINDS, OBJECT_CHANNELS
 from evaluation.uncertain_answers import by_seed
@@ -21,14 +21,15 @@ from model import METHODS, Fit
 
 SHOWN = 12
 """Sentences that the figure of the answers shows; a test set of one's own may hold many more."""
-COLUMNS = 3
+COLUMNS = 2
 
 
 def answers_figure(fit: Fit, table: FeatureTable, title: str) -> Figure:
     """p(object, action category | sentence) of a table's first instructions, a heat map each.
 
     A row is an object, named by its true words where they are known, and boxed if it is the instructed one. A column
-    is an action category, first those in use with the word that each most probably utters, then the others.
+    is an action category, first those in use with the word that each most probably utters, then the others; the
+    lowest map of each column names them.
     """
     shown = answers(fit, table)[:SHOWN]
     used = np.unique(fit.state.z[0])
@@ -36,9 +37,8 @@ def answers_figure(fit: Fit, table: FeatureTable, title: str) -> Figure:
     most = max(len(answer.log_scores) for answer in shown)
     columns = min(COLUMNS, len(shown))
     rows = -(-len(shown) // columns)
-    size = ((1.1 + 0.34 * len(order)) * columns + 0.8, 0.9 + rows * (1.0 + 0.26 * most))
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=size, layout="constrained")
+        figure = Figure(figsize=(PAGE_WIDTH, 1.9 + rows * (0.3 + 0.17 * most)), layout="constrained")
         panels: Any = figure.subplots(rows, columns, squeeze=False).ravel()
         for spare in panels[len(shown) :]:
             spare.set_axis_off()
@@ -53,19 +53,14 @@ def answers_figure(fit: Fit, table: FeatureTable, title: str) -> Figure:
                 )
                 frame.set_clip_on(False)
                 axes.add_patch(frame)
-            axes.set_xticks(
-                range(len(order)),
-                _category_names(fit, used, len(order)),
-                rotation=60,
-                ha="right",
-                fontsize=6,
-                rotation_mode="anchor",
-            )
-            axes.set_yticks(range(len(answer.log_scores)), _object_names(table, d), fontsize=7)
+            lowest = d + columns >= len(shown)
+            names = _category_names(fit, used, len(order)) if lowest else []
+            axes.set_xticks(range(len(names)), names, rotation=60, ha="right", rotation_mode="anchor")
+            axes.set_yticks(range(len(answer.log_scores)), _object_names(table, d))
             left_out = f" (not known: {', '.join(answer.ignored)})" if answer.ignored else ""
-            axes.set_title(f"“{' '.join(table.words[d])}”{left_out}", fontsize=9)
+            axes.set_title(f"“{' '.join(table.words[d])}”{left_out}", fontsize=8)
         figure.suptitle(f"p(object, action category | sentence)\n{title}")
-        figure.colorbar(shades, ax=list(panels), label="probability", shrink=0.4)
+        figure.colorbar(shades, ax=list(panels), label="probability", location="bottom", shrink=0.4, aspect=30)
     return figure
 
 
@@ -78,15 +73,19 @@ def uncertain_figure(answered: pd.DataFrame, title: str) -> Figure:
     """
     methods = [method for method in METHODS if method in set(answered["method"])]
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(14.0, 4.8), layout="constrained")
-        left, middle, right = figure.subplots(1, 3, width_ratios=(1.0, 1.0, 0.8))
-        _entropy(left, answered, methods)
-        _rates(middle, answered, methods, "OAR_fit", "chance_fit")
-        middle.set_xlabel("OAR among the objects that fit")
-        _rates(right, answered, methods, "outvoted", "chance_outvoted")
-        right.set_xlabel("wrong word outvoted:\nthe instructed object is chosen")
-        figure.legend(
-            *left.get_legend_handles_labels(), loc="outside lower center", ncols=len(methods) + 1, frameon=False
+        figure = Figure(figsize=(PAGE_WIDTH, 6.6), layout="constrained")
+        above, below = figure.subfigures(2, 1, height_ratios=(1.0, 1.4))
+        entropy, outvoted = above.subplots(1, 2)
+        rates = below.subplots()
+        _entropy(entropy, answered, methods)
+        _rates(rates, answered, methods, "OAR_fit", "chance_fit")
+        rates.set_xlabel("OAR among the objects that fit")
+        _rates(outvoted, answered, methods, "outvoted", "chance_outvoted")
+        outvoted.set_xlabel("wrong word outvoted:\nthe instructed object is chosen")
+        marks = [axes.get_legend_handles_labels() for axes in (entropy, rates)]
+        legend = {label: handle for handles, labels in marks for handle, label in zip(handles, labels, strict=True)}
+        below.legend(
+            list(legend.values()), list(legend), loc="outside lower center", ncols=len(legend), frameon=False
         )
         figure.suptitle(f"Uncertain instructions\n{title}")
     return figure
@@ -124,6 +123,7 @@ def _rates(axes: Axes, answered: pd.DataFrame, methods: Sequence[str], measure: 
         [place[kind] + 0.4 for kind in present],
         color="0.6",
         linewidth=3,
+        label="chance",
     )
     for i, method in enumerate(methods):
         own = means[means["method"] == method].groupby("kind")[measure].agg(["mean", "std"]).reindex(present)
@@ -132,7 +132,6 @@ def _rates(axes: Axes, answered: pd.DataFrame, methods: Sequence[str], measure: 
     axes.set_yticks(list(place.values()), [KINDS[kind].label for kind in present])
     axes.set_ylim(max(len(present), 1) - 0.5, -0.5)
     axes.set_xlim(0.0, 1.03)
-    axes.set_title("gray: chance", fontsize=8, color="0.4")
 
 
 def _aside(i: int, count: int, step: float) -> float:
@@ -156,7 +155,8 @@ def _numbers(axes: Axes, probabilities: np.ndarray) -> None:
     """Write the probabilities that are not small into their cells."""
     for m, k in np.argwhere(probabilities >= 0.05):
         shade = "white" if probabilities[m, k] > 0.5 else "black"
-        axes.text(k, m, f"{probabilities[m, k]:.2f}", ha="center", va="center", fontsize=6, color=shade)
+        number = f"{probabilities[m, k]:.2f}".removeprefix("0")
+        axes.text(k, m, number, ha="center", va="center", fontsize=7, color=shade)
 
 
 def _category_names(fit: Fit, used: np.ndarray, count: int) -> list[str]:

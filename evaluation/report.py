@@ -24,13 +24,16 @@ MARKS = {"holds": "mark yes", "does not hold": "mark no"}
 AGREE = 1.01
 
 
-def about(config: str, origins: Mapping[str, str], scores: pd.DataFrame) -> Section:
+def about(
+    config: str, origins: Mapping[str, str], scores: pd.DataFrame, dropped: Mapping[str, Sequence[str]] | None = None
+) -> Section:
     """What the study is, and how large.
 
     Args:
         config: name of the config file.
         origins: where the data of each experiment come from, in words.
         scores: all scores of the study.
+        dropped: by set of trials, why which were dropped; sets in which none could be are left out.
     """
     fits = scores[scores.task == "csl"].drop_duplicates(["experiment", *ROW_KEYS, "seed"])
     rows = []
@@ -55,7 +58,14 @@ def about(config: str, origins: Mapping[str, str], scores: pd.DataFrame) -> Sect
         f"model, and {len(scores)} measures of what they learned. The page is complete in itself; its links to files "
         f"lead into the folder that it was written to.</p>"
     )
-    return Section("about", "What this is", text + table(pd.DataFrame(rows)))
+    return Section("about", "What this is", text + table(pd.DataFrame(rows)) + _dropped(dropped or {}))
+
+
+def _dropped(dropped: Mapping[str, Sequence[str]]) -> str:
+    if not dropped:
+        return ""
+    gone = [{"trials": name, "dropped": len(why), "why": "; ".join(why)} for name, why in dropped.items()]
+    return f"<p>Trials with an implausible number of objects were dropped.</p>{table(pd.DataFrame(gone))}"
 
 
 def _listing(values: pd.Series[Any]) -> str:

@@ -39,6 +39,7 @@ DIFFERENCE_NOTE = (
 def select(scores: pd.DataFrame, table: Table) -> pd.DataFrame:
     """The scores that a table shows."""
     of_table = (scores.experiment == table.experiment) & scores.task.isin(table.tasks)
+    of_table &= ~scores.variant.isin(table.without)
     return scores[of_table if table.D is None else of_table & (scores.D == table.D)]
 
 

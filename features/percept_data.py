@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +56,7 @@ class Percepts:
         pixels: uint8 (P, 3), RGB pixels inside the objects' masks, object after object.
         pixel_index: int64 (P,), row (0..N−1) of each pixel's object, ascending.
         dropped: why which trial was dropped, one text each.
+        dropped_trial: int64, the numbers of the dropped trials, in the same order.
         truth_action: D words or None, for evaluation only.
         truth_position, truth_object, truth_color: the same, N words.
 
@@ -82,6 +83,7 @@ class Percepts:
     pixels: NDArray[np.uint8]
     pixel_index: NDArray[np.int64]
     dropped: tuple[str, ...] = ()
+    dropped_trial: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     truth_action: Texts | None = None
     truth_position: Texts | None = None
     truth_object: Texts | None = None
@@ -89,17 +91,23 @@ class Percepts:
 
 
 def first(percepts: Percepts, D: int) -> Percepts:
-    """Give the first D trials by number, with their objects.
+    """Give the first D trials by number, with their objects; of these the dropped ones are missing.
 
     Raises:
-        ValueError: D is below 1 or above the number of trials.
+        ValueError: D is below 1 or above the number of trials, or all of them were dropped.
 
     """
-    if not 1 <= D <= len(percepts.trial):
-        raise ValueError(f"D is {D}; expected 1 to {len(percepts.trial)}, the number of trials")
-    N = int(np.searchsorted(percepts.trial_index, D))
+    numbers = np.sort(np.concatenate([percepts.trial, percepts.dropped_trial]))
+    if not 1 <= D <= len(numbers):
+        raise ValueError(f"D is {D}; expected 1 to {len(numbers)}, the number of trials")
+    left = int(np.searchsorted(percepts.trial, numbers[D - 1], side="right"))
+    gone = int(np.searchsorted(percepts.dropped_trial, numbers[D - 1], side="right"))
+    if left == 0:
+        raise ValueError("\n".join([f"none of the first {D} trials is left", *percepts.dropped[:gone]]))
+    N = int(np.searchsorted(percepts.trial_index, left))
     P = int(np.searchsorted(percepts.pixel_index, N))
-    counts = dict.fromkeys(BY_TRIAL, D) | dict.fromkeys((*BY_OBJECT, "trial_index"), N)
+    counts = dict.fromkeys(BY_TRIAL, left) | dict.fromkeys(("dropped", "dropped_trial"), gone)
+    counts |= dict.fromkeys((*BY_OBJECT, "trial_index"), N)
     counts |= dict.fromkeys(("pixels", "pixel_index"), P)
     values = {name: value if value is None or name not in counts else value[: counts[name]]
               for name, value in vars(percepts).items()}  # fmt: skip
@@ -125,7 +133,7 @@ def join(parts: Sequence[Percepts]) -> Percepts:
             if not np.array_equal(getattr(part, name), getattr(parts[0], name)):
                 raise ValueError(f"trial {part.trial[0]}: {name} differ from those of trial {trials[0]}")
     values: dict[str, Any] = {name: getattr(parts[0], name) for name in SHARED}
-    for name in (*BY_TRIAL, *BY_OBJECT, "pixels", "dropped"):
+    for name in (*BY_TRIAL, *BY_OBJECT, "pixels", "dropped", "dropped_trial"):
         values[name] = _chain(name, parts)
     values["trial_index"] = _shifted([part.trial_index for part in parts], [len(part.trial) for part in parts])
     values["pixel_index"] = _shifted([part.pixel_index for part in parts], [len(part.box) for part in parts])

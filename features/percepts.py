@@ -50,7 +50,7 @@ def perceive(logs: Iterable[Log], calibration_log: Log, settings: FeatureSetting
     with one_thread():
         view = fit_view(calibration(calibration_log))
         parts: list[Percepts] = []
-        dropped: list[str] = []
+        dropped: dict[int, str] = {}
         for one in logs:
             seen = observation(one)
             try:
@@ -61,13 +61,19 @@ def perceive(logs: Iterable[Log], calibration_log: Log, settings: FeatureSetting
                 if settings.detection.on_wrong_count == "error":
                     raise DetectionError(problem)
                 log.warning("dropped: %s", problem)
-                dropped.append(problem)
+                dropped[seen.trial] = problem
             else:
                 parts.append(_perceive_trial(seen, truth(one), found, view, settings))
         if not parts:
-            raise DetectionError("\n".join(["no trial is left", *dropped]))
+            raise DetectionError("\n".join(["no trial is left", *dropped.values()]))
         joined = join(parts)
-        return replace(joined, fc6=fc6(joined.crop, joined.mask, settings), dropped=tuple(dropped))
+        numbers = np.array(sorted(dropped), dtype=np.int64)
+        return replace(
+            joined,
+            fc6=fc6(joined.crop, joined.mask, settings),
+            dropped=tuple(dropped[number] for number in numbers.tolist()),
+            dropped_trial=numbers,
+        )
 
 
 def _wrong_count(trial: int, count: int, settings: Detection) -> str:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -173,9 +174,15 @@ def apply(transforms: Transforms, percepts: Percepts) -> FeatureTable:
     )
 
 
-def table_metadata(transforms: Transforms) -> dict[str, str]:
-    """Give the metadata of the Parquet files: the action's names and scaling, and where all is from."""
-    return {
+def table_metadata(transforms: Transforms, dropped: Sequence[str] = ()) -> dict[str, str]:
+    """Give the metadata of the Parquet files: the action's names and scaling, and where all is from.
+
+    Args:
+        transforms: what the table was made with.
+        dropped: why which of the set's trials are missing (`Percepts.dropped`).
+    """
+    gone = {"dropped": json.dumps(list(dropped), ensure_ascii=False)} if dropped else {}
+    return gone | {
         "action_names": json.dumps(transforms.action_names),
         "action_lowest": json.dumps(transforms.action_lowest.tolist()),
         "action_highest": json.dumps(transforms.action_highest.tolist()),

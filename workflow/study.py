@@ -65,6 +65,13 @@ class Experiment:
             for channel in CHANNELS
         }
 
+    @property
+    def partial_variants(self) -> list[str]:
+        """Variants that are run for a part of the conditions, beside others; never `default`: claims rest on it."""
+        variants = self.settings["variants"]
+        partial = [name for name, own in variants.items() if "only" in own and name != "default"]
+        return partial if len(partial) < len(variants) else []
+
     def is_run(self, variant: str, method: str, D: int, ROW: int) -> bool:
         """Whether a variant is run for a condition; ALL (`gmm`) is the same at every ROW."""
         only = self.settings["variants"][variant].get("only", {})

@@ -83,6 +83,26 @@ def test_frames_hold_what_the_logs_hold(dataset: Path, trials: list[Log]) -> Non
         assert np.array_equal(decoded, picture)
 
 
+def test_the_library_datasets_loads_it(
+    dataset: Path, trials: list[Log], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As LeRobot does; skipped where the library, on which nothing here depends, is not installed."""
+    monkeypatch.setenv("HF_HUB_OFFLINE", "1")
+    datasets = pytest.importorskip("datasets")
+    path = str(dataset / "data/chunk-000/file-000.parquet")
+    loaded = datasets.Dataset.from_parquet(path, cache_dir=str(tmp_path))
+    info = json.loads((dataset / "meta/info.json").read_text())
+    assert len(loaded) == info["total_frames"]
+    for key, feature in info["features"].items():
+        kind = loaded.features[key]
+        if feature["dtype"] == "image":
+            assert type(kind).__name__ == "Image"
+        else:
+            assert getattr(kind, "length", 1) == feature["shape"][0]
+            assert getattr(kind, "feature", kind).dtype == feature["dtype"]
+    assert np.array_equal(np.asarray(loaded[0][IMAGE_KEY]), observation(trials[0]).image_before)
+
+
 def test_refusals(dataset: Path, calibration_log: Log, tmp_path: Path) -> None:
     with pytest.raises(FileExistsError):
         export([], dataset)

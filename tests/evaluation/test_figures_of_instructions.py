@@ -79,7 +79,7 @@ def test_entropies_stand_against_the_number_that_fit(answered: pd.DataFrame) -> 
 
 
 def test_rates_by_kind(answered: pd.DataFrame) -> None:
-    _, rates, outvoted = uncertain_figure(answered, "title").axes[:3]
+    _, outvoted, rates = uncertain_figure(answered, "title").axes[:3]
     shown = [label.get_text() for label in outvoted.get_yticklabels()]
     assert shown == [kind.label for kind in KINDS.values() if kind.wrong]
     assert [label.get_text() for label in rates.get_yticklabels()][:5] == [

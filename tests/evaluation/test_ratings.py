@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ from evaluation.ratings import (
     write_form,
 )
 from evaluation.scores import write_csv
+from tests.browser import DOWNLOADED, needs_chromium, use
 
 ALLOWED = ["reach", "touch", "look-at"]
 CONDITION = {
@@ -155,3 +157,26 @@ def test_the_page_offers_each_clips_words(out: Path) -> None:
     assert 'value="&lt;b&gt;"' in page
     assert "<b>" not in page
     assert "$" not in page
+
+
+@needs_chromium
+def test_a_browser_saves_the_filled_in_form(key: pd.DataFrame, out: Path) -> None:
+    """What a rater does, in a real browser: choose words, forget the name, enter it, save. The file is counted."""
+    clips = [(row.clip, f"{row.clip}.gif", row.allowed.split()) for row in key.itertuples()]
+    write_page(clips, "Title", out / "index.html")
+    chosen = dict(zip(key["clip"], key["instructed"], strict=True))
+    unrated, _ = chosen.popitem()
+    choose = f"""for (const [clip, word] of Object.entries({json.dumps(chosen)}))
+        document.querySelector(`input[name="${{clip}}"][value="${{word}}"]`).click()"""
+    save = 'document.getElementById("save").click(), document.getElementById("said").textContent'
+    name = 'document.getElementById("rater").value = "Ann \\"A\\", B"'
+    _, nameless, _, said, path = use(out / "index.html", [choose, save, name, save, DOWNLOADED], out)
+    assert nameless == "Please enter your name."
+    assert said == "5 of 6 clips rated."
+    assert path.name == "form_Ann__A___B.csv"
+    assert list(out.glob("*.csv")) == [path]
+    ratings = read_forms([path], key)
+    assert {rating.clip: rating.word for rating in ratings} == chosen
+    assert {rating.rater for rating in ratings} == {'Ann "A", B'}
+    assert unrated in path.read_text()
+    assert human_rates(ratings, key)["human_WAR"].tolist() == [1.0, 1.0]

@@ -111,6 +111,15 @@ def test_the_size_of_the_study_is_counted(scores: pd.DataFrame) -> None:
     assert "".join(f"<td>{cell}</td>" for cell in row) in body
 
 
+def test_dropped_trials_are_counted(scores: pd.DataFrame) -> None:
+    dropped = {"own, train": ("trial 3: 5 objects <found>", "trial 7: 0 objects found"), "own, generation": ()}
+    body = report.about("own.yaml", {"own": "a robot's logs"}, scores, dropped).body
+    reasons = "trial 3: 5 objects &lt;found&gt;; trial 7: 0 objects found"
+    assert re.search(rf"<td>own, train</td><td>2</td><td[^>]*>{reasons}</td>", body)
+    assert "<td>own, generation</td><td>0</td>" in body
+    assert "dropped" not in report.about("own.yaml", {"own": "a robot's logs"}, scores).body
+
+
 def test_claims_lead_to_what_they_rest_on(claimed: pd.DataFrame) -> None:
     body = report.claims(claimed, None, {"table_1a", "table_1b", "own_words"}).body
     assert re.findall(r'href="(.*?)"', body) == [

@@ -142,5 +142,16 @@ def test_a_table_shows_the_tasks_that_are_run() -> None:
     assert tables_of([("real", "generation", 25)])["table_5"].measures == ("WAR", "OAR")
 
 
+def test_a_variant_of_one_figure_is_in_the_experiments_table_only(tmp_path: Path) -> None:
+    usual = scores_of({("csl", "proposed", 25, 9, "EAR"): [0.5, 0.7]}, "real")
+    scores = pd.concat([usual, usual.assign(variant="few")], ignore_index=True)
+    tables = tables_of([("real", "csl", 25)], {"real": ["few"]})
+    for name, variants in (("table_4", ["default"]), ("real_csl", ["default", "few"])):
+        render(scores, tables[name], tmp_path, name)
+        assert pd.read_csv(tmp_path / f"{name}.csv")["variant"].tolist() == variants
+    # With one variant left, nothing has to say which it is.
+    assert "variant" not in (tmp_path / "table_4.md").read_text()
+
+
 def test_the_tables_of_a_study() -> None:
     assert set(tables_of([("simulator", "csl", 20), ("own", "csl", 5)])) == {"table_1a", "simulator_csl", "own_csl"}

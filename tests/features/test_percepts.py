@@ -170,8 +170,30 @@ def test_a_wrong_count_is_dropped_and_counted_where_so_set(
     assert seen.dropped == ("trial 1: 5 objects found; expected 1 to 3 (feature_extraction.detection)",)
     assert "dropped: trial 1" in caplog.text
     np.testing.assert_array_equal(seen.position, percepts.position[percepts.trial_index > 0])
+    assert seen.dropped_trial.tolist() == [1]
+    assert first(seen, 3).trial.tolist() == [2, 3], "a dropped trial counts among the first D"
+    assert first(seen, 8).dropped == seen.dropped
+    with pytest.raises(ValueError, match="none of the first 1 trials is left\ntrial 1: 5 objects"):
+        first(seen, 1)
     with pytest.raises(DetectionError, match="no trial is left"):
         perceive([crowded(logs)], logs.calibration(), DROP)
+
+
+def test_dropped_trials_stay_known(logs: Any, tmp_path: Path) -> None:
+    """In the artifact, in a block that is joined to others, and not among the first D before it."""
+    early = perceive(logs.trials(2), logs.calibration(), DROP)
+    full = changed(logs.trials(1, first=4)[0], channels.IMAGE_BEFORE, scene_image(crowded(logs)))
+    late = perceive([full, *logs.trials(1, first=3), *logs.trials(1, first=5)], logs.calibration(), DROP)
+    save_percepts(tmp_path / "late.npz", late)
+    joined = join([load_percepts(tmp_path / "late.npz"), early])
+    assert joined.trial.tolist() == [1, 2, 3, 5]
+    assert joined.dropped_trial.tolist() == [4]
+    assert first(joined, 3).dropped == ()
+    assert (first(joined, 4).trial.tolist(), first(joined, 4).dropped) == ([1, 2, 3], late.dropped)
+
+
+def scene_image(log: Log) -> Any:
+    return next(m.value for m in log.messages if m.topic == channels.IMAGE_BEFORE)
 
 
 def test_a_corrupt_image_in_a_log_is_refused_by_name(logs: Any, tmp_path: Path) -> None:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -115,3 +119,34 @@ def test_shape_is_told_by_other_objects_of_the_type(measured: Measured, record_p
     )
     record_property("shapes told right, 3 nearest neighbours", float((told == words).mean()))
     assert (told == words).mean() >= measured.expected.shape
+
+
+COST = """
+import json, resource, sys
+from pathlib import Path
+from data_collection.mcap_log import read_log
+from features.percepts import perceive
+from features.settings import FeatureSettings
+from features.transforms import apply, fit_transforms
+
+folder, settings = Path(sys.argv[1]), FeatureSettings()
+logs = (read_log(path) for path in sorted(folder.glob("trial_*.mcap"))[:40])
+percepts = perceive(logs, read_log(folder / "calibration.mcap"), settings)
+apply(fit_transforms(percepts, settings, 1), percepts)
+used = resource.getrusage(resource.RUSAGE_SELF)
+told = {"objects": len(percepts.box), "seconds": used.ru_utime + used.ru_stime, "MiB": used.ru_maxrss / 1024}
+print(json.dumps(told))
+"""
+
+
+def test_forty_trials_cost_little(simulated: Simulated, record_property: Record) -> None:
+    """From logs to tables in 15 s on two cores at most: 30 s of processor time, imports included; 1.5 GiB."""
+    root = Path(__file__).parents[2]
+    run = subprocess.run(
+        [sys.executable, "-c", COST, str(simulated.folder)], check=True, cwd=root, capture_output=True, text=True
+    )
+    cost = json.loads(run.stdout)
+    record_property("cost of 40 trials", {name: round(value, 1) for name, value in cost.items()})
+    assert cost["objects"] >= 60
+    assert cost["seconds"] <= 30
+    assert cost["MiB"] <= 1536

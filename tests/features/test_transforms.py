@@ -55,6 +55,8 @@ def test_the_table_keeps_the_contract(percepts: Percepts, tmp_path: Path) -> Non
     assert json.loads(metadata["action_names"]) == list(transforms.action_names)
     assert json.loads(metadata["provenance"])["trials"] == list(range(1, 13))
     assert json.loads(metadata["provenance"])["weights"] == "seeded 0"
+    assert "dropped" not in metadata
+    assert json.loads(table_metadata(transforms, ("trial 3: why",))["dropped"]) == ["trial 3: why"]
 
 
 def test_training_values_fill_the_unit_range(percepts: Percepts) -> None:

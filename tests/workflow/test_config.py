@@ -442,6 +442,9 @@ def test_a_variant_is_run_only_where_it_says() -> None:
     ]
     assert len(conditions) == 2 * 2 * (3 * 2 + 1) + 2  # of the other variant all, ALL included
     assert own.experiments["own"].priors("few")["action"] == {"categories": 5}
+    assert own.experiments["own"].partial_variants == ["few"]
+    alone = study(minimal(variants={"few": {"K": 5, "only": {"ROW": [0]}}})).experiments["own"]
+    assert alone.partial_variants == []
 
 
 def test_only_speaks_of_the_reference_by_its_name() -> None:

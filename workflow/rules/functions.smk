@@ -149,24 +149,18 @@ TABLES = tables_of(
         for task in TASKS
         for condition in study.task_conditions(name, task)
     }
-    | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings["D"]}
+    | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings["D"]},
+    {name: experiment.partial_variants for name, experiment in study.experiments.items()},
 )
 
 
 # The experiments with instructions to answer.
-INSTRUCTED = [name for name in study.experiments if study.task_conditions(name, "generation")]
+INSTRUCTED = [name for name in study.experiments if study.generation_condition(name)]
 
 
 def instructed_fits(wildcards):
-    """The fits, one a seed, that figures of action generation show: most trials, fewest words omitted, first method."""
-    tested = study.task_conditions(wildcards.experiment, "generation")
-    first = min(tested, key=lambda condition: (-condition.D, condition.ROW))
-    return [condition for condition in tested if replace(condition, seed=first.seed) == first]
-
-
-def instructed_tables(wildcards):
-    """The feature tables of the instructions that those fits answer."""
-    return table_files("generation")(instructed_fits(wildcards)[0])
+    """The fits, one a seed, that figures of action generation show."""
+    return study.seeds(study.generation_condition(wildcards.experiment))
 
 
 def largest_D(wildcards):
@@ -258,6 +252,18 @@ def report_tables():
     """The tables of the report by file name, with their titles."""
     uncertain = {f"{name}_uncertain": f"Uncertain instructions, {name}" for name in INSTRUCTED}
     return {name: table.title for name, table in TABLES.items()} | uncertain
+
+
+def droppable():
+    """Each set of which trials may be dropped, by name, and its feature table at the largest D that is used."""
+    for name, experiment in study.experiments.items():
+        extraction = experiment.settings.get("feature_extraction", {})
+        if experiment.data == name and extraction.get("detection", {}).get("on_wrong_count") == "drop":
+            used = {"train": experiment.settings["D"]}
+            used |= {task: [condition.D for condition in study.task_conditions(name, task)] for task in TASKS}
+            for set_name, Ds in used.items():
+                if Ds:
+                    yield f"{name}, {set_name}", f"features/{name}/D{max(Ds)}/{set_name}_trials.parquet"
 
 
 def figure_labels(name):

@@ -70,14 +70,14 @@ rule figure_of_fit:
 
 rule figure_of_instructions:
     input:
-        unpack(instructed_tables),
+        unpack(lambda wildcards: table_files("generation")(study.generation_condition(wildcards.experiment))),
         fits=lambda wildcards: [condition.path for condition in instructed_fits(wildcards)],
     output:
         files_of("instructions"),
     log:
         "joblogs/figures/{experiment}_instructions.log",
     params:
-        condition=lambda wildcards: vars(instructed_fits(wildcards)[0]),
+        condition=lambda wildcards: vars(study.generation_condition(wildcards.experiment)),
         code=tracked("figure_of_instructions.py"),
     script:
         "../scripts/figure_of_instructions.py"
@@ -96,7 +96,7 @@ rule present_uncertain:
     log:
         "joblogs/figures/{experiment}_uncertain.log",
     params:
-        condition=lambda wildcards: vars(instructed_fits(wildcards)[0]),
+        condition=lambda wildcards: vars(study.generation_condition(wildcards.experiment)),
         code=tracked("present_uncertain.py"),
     script:
         "../scripts/present_uncertain.py"
@@ -151,16 +151,12 @@ rule figure_of_confusion:
 
 rule figure_of_generation:
     input:
-        fits=lambda wildcards: [
-            condition.path for condition in study.seeds(study.generation_condition(wildcards.experiment))
-        ],
+        fits=lambda wildcards: [condition.path for condition in instructed_fits(wildcards)],
         answers=lambda wildcards: [
-            f"{GENERATION_PATH}/answers.csv".format(**vars(condition))
-            for condition in study.seeds(study.generation_condition(wildcards.experiment))
+            f"{GENERATION_PATH}/answers.csv".format(**vars(condition)) for condition in instructed_fits(wildcards)
         ],
         logs=lambda wildcards: [
-            f"{GENERATION_PATH}/mcap".format(**vars(condition))
-            for condition in study.seeds(study.generation_condition(wildcards.experiment))
+            f"{GENERATION_PATH}/mcap".format(**vars(condition)) for condition in instructed_fits(wildcards)
         ],
     output:
         generation=files_of("generation"),
@@ -229,12 +225,14 @@ rule report:
             for name in study.experiments
             for D in study.experiments[name].settings["D"]
         ],
+        droppable=list(dict(droppable()).values()),
     output:
         report("report.html", caption="../report/report.rst", category="Report"),
     log:
         "joblogs/report.log",
     params:
         config=config_name(),
+        droppable=list(dict(droppable())),
         experiments={name: portable(experiment) for name, experiment in study.experiments.items()},
         python=python_version(),
         packages=pinned_packages(),

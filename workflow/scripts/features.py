@@ -20,5 +20,5 @@ with job(snakemake):
         apply(transforms, percepts),
         Path(snakemake.output.trials),
         Path(snakemake.output.objects),
-        table_metadata(transforms),
+        table_metadata(transforms, percepts.dropped),
     )

@@ -18,5 +18,7 @@ with job(snakemake):
     percepts = first(join([load_percepts(Path(path)) for path in snakemake.input.percepts]), D)
     seen = overview(percepts, load_transforms(Path(snakemake.input.transforms)), table, snakemake.params.groups)
     paths = dict(zip(snakemake.params.trials, snakemake.input.logs, strict=True))
-    images = [observation(read_log(Path(paths[trial]))).image_before for trial in seen.trial[:IMAGES].tolist()]
+    # Where many trials were dropped, fewer than that are among the first logs.
+    shown = [trial for trial in seen.trial[:IMAGES].tolist() if trial in paths]
+    images = [observation(read_log(Path(paths[trial]))).image_before for trial in shown]
     save_figure(features_overview(seen, images, f"{names.experiment}, D = {D}"), Path(snakemake.output[0]))

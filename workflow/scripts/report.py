@@ -1,5 +1,6 @@
 """Put all that people look at on one page that opens from disk."""
 
+import json
 from pathlib import Path
 
 import pandas as pd
@@ -8,6 +9,7 @@ from evaluation import report, report_origins
 from evaluation.page import page
 from evaluation.scores import read_scores
 from features.files import replacing
+from features.table import read_metadata
 from workflow.job import job
 from workflow.settings import complete, origin
 
@@ -18,8 +20,10 @@ with job(snakemake):
     chains = {Path(path).stem: pd.read_csv(path) for path in files.diagnostics}
     origins = {name: origin(own) for name, own in params.experiments.items()}
     shown = {path.stem for path in tables}
+    made = {name: read_metadata(path) for name, path in zip(params.droppable, files.droppable, strict=True)}
+    dropped = {name: json.loads(told.get("dropped", "[]")) for name, told in made.items()}
     sections = [
-        report.about(params.config, origins, read_scores([Path(files.scores)])),
+        report.about(params.config, origins, read_scores([Path(files.scores)]), dropped),
         *([report.claims(texts[0], texts[1] if len(texts) > 1 else None, shown)] if texts else []),
         report.tables(tables),
         report.figures(figures, params.experiments),
