@@ -26,11 +26,12 @@ CODE = "code and lock"
 
 def plan(seed: int = 1, out: str = "") -> list[Job]:
     """Two trials → a folder and a fit → scores."""
-    log = {"logs[0]": "mcap/a.mcap", "logs[1]": "mcap/b.mcap"}
+    logs = {"logs[0]": "mcap/a.mcap", "logs[1]": "mcap/b.mcap"}
+    fit = {"fit": "fits/1.npz", "extra": "fits/more"}
     return [
-        Job("collect", {}, {"seed": seed, "code": CODE}, {}, log),
-        Job("fit", {"seed": "1"}, {"code": CODE}, {"x": "mcap/b.mcap"}, {"fit": "fits/1.npz", "extra": "fits/more"}),
-        Job("scores", {}, {"code": CODE}, {"fit": "fits/1.npz"}, {"[0]": "scores.csv"}),
+        Job("collect", {}, {"seed": seed, "code": CODE}, {}, logs, "joblogs/collect.log"),
+        Job("fit", {"seed": "1"}, {"code": CODE}, {"x": "mcap/b.mcap"}, fit, "joblogs/fit/1.log"),
+        Job("scores", {}, {"code": CODE}, {"fit": "fits/1.npz"}, {"[0]": "scores.csv"}, "joblogs/scores.log"),
     ]
 
 
@@ -94,7 +95,7 @@ def run(out: Path, store: Store, jobs: list[Job] | None = None, after: Callable[
         return 0
 
     with patch.object(dag, "run", in_place_of_snakemake):
-        return runner.run(SMOKE, out, 1, (), store)  # any config: the jobs are given
+        return runner.run(SMOKE, out, 1, dag.DEFAULT, (), store)  # any config: the jobs are given
 
 
 def files(folder: Path) -> dict[str, bytes]:
