@@ -6,8 +6,9 @@ fingers, one bends ring and little finger.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from xml.etree import ElementTree
 
 import numpy as np
@@ -38,6 +39,9 @@ BASE_TURN = np.diag([-1.0, -1.0, 1.0, 1.0])
 """The URDF's robot looks along −x: turned by 180 degrees, root link and robot frame are one."""
 
 
+_UNIT = np.eye(4)
+
+
 def joint_index(names: Sequence[str]) -> NDArray[np.intp]:
     """Return where logged joints stand in ``JOINT_NAMES``."""
     return np.array([JOINT_NAMES.index(name) for name in names])
@@ -61,6 +65,12 @@ class _Joint:
     origin: Floats
     axis: Floats | None
     number: int
+    cross: Floats
+    square: Floats
+
+    def turned(self, angle: float) -> Floats:
+        """Return the (4, 4) rotation by ``angle`` about the axis (Rodrigues)."""
+        return _UNIT + (math.sin(angle) * self.cross + (1.0 - math.cos(angle)) * self.square)
 
 
 @dataclass(frozen=True)
@@ -99,7 +109,8 @@ class Kinematics:
         joints = ElementTree.fromstring(urdf).findall("joint")
         moving = [joint for joint in joints if joint.get("type") == "revolute"]
         self.model_joints = tuple(str(joint.get("name")) for joint in moving)
-        self._tree = {entry.child: entry for entry in map(self._joint, joints)}
+        tree = {entry.child: entry for entry in map(self._joint, joints)}
+        self._chains = {link: _chain(tree, link) for link in tree}
         bounds = {str(joint.get("name")): _limits(joint) for joint in moving}
         bounds |= {name: (math.radians(low), math.radians(high)) for name, (low, high) in _LIMITS_DEGREES.items()}
         self.lower: Floats = np.array([bounds[name][0] for name in JOINT_NAMES])
@@ -117,31 +128,31 @@ class Kinematics:
         origin[:3, :3] = Rotation.from_euler("xyz", _numbers(joint, "origin", "rpy")).as_matrix()
         parent, child = joint.find("parent"), joint.find("child")
         links = [str(link.get("link")) for link in (parent, child) if link is not None]
+        cross = np.zeros((4, 4))
         if joint.get("type") != "revolute":
-            return _Joint(links[0], links[1], origin, None, -1)
-        return _Joint(links[0], links[1], origin, _numbers(joint, "axis", "xyz"), self.model_joints.index(name))
+            return _Joint(links[0], links[1], origin, None, -1, cross, cross)
+        axis = _numbers(joint, "axis", "xyz")
+        x, y, z = axis
+        cross[:3, :3] = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
+        return _Joint(links[0], links[1], origin, axis, self.model_joints.index(name), cross, cross @ cross)
 
     def pose(self, link: str, angles: Floats) -> Pose:
         """Return the pose of a link at the logged joints' angles (25,)."""
-        chain = []
-        while link in self._tree:
-            chain.append(self._tree[link])
-            link = chain[-1].parent
         turns = self.to_model @ angles
         frame = BASE_TURN
         axes, centres, numbers = [], [], []
-        for joint in reversed(chain):
+        for joint in self._chains[link]:
             frame = frame @ joint.origin
             if joint.axis is not None:
                 axes.append(frame[:3, :3] @ joint.axis)
                 centres.append(frame[:3, 3])
                 numbers.append(joint.number)
-                frame = frame @ _turned(joint.axis, turns[joint.number])
+                frame = frame @ joint.turned(turns[joint.number])
         angular, linear = np.zeros((3, len(turns))), np.zeros((3, len(turns)))
         if numbers:
             columns = np.array(axes)
             angular[:, numbers] = columns.T
-            linear[:, numbers] = np.cross(columns, frame[:3, 3] - np.array(centres)).T
+            linear[:, numbers] = _cross(columns, frame[:3, 3] - np.array(centres)).T
         return Pose(frame[:3, 3], frame[:3, :3], linear @ self.to_model, angular @ self.to_model)
 
     def reach(self, position: Floats, start: Floats, comfortable: Floats) -> Floats:
@@ -161,15 +172,17 @@ class Kinematics:
             posture[REACH] = angles
             return posture
 
+        at = _remembered(lambda angles: self.pose(robot_model.GRASP_LINK, whole(angles)))
+
         def residual(angles: Floats) -> Floats:
-            pose = self.pose(robot_model.GRASP_LINK, whole(angles))
+            pose = at(angles)
             tilt = pose.axes[:, 2] - np.array([0.0, 0.0, -1.0])
             ease = _REACH_EASE * (angles - comfortable[REACH])
             return np.concatenate([100.0 * (pose.position - position), 0.5 * tilt, ease])
 
         def slope(angles: Floats) -> Floats:
-            pose = self.pose(robot_model.GRASP_LINK, whole(angles))
-            tilt = np.cross(pose.angular.T, pose.axes[:, 2]).T
+            pose = at(angles)
+            tilt = _cross(pose.angular.T, pose.axes[:, 2]).T
             return np.vstack([100.0 * pose.linear[:, REACH], 0.5 * tilt[:, REACH], np.diag(_REACH_EASE)])
 
         return whole(self._solve(residual, slope, start, REACH))
@@ -187,16 +200,17 @@ class Kinematics:
             distance = float(np.linalg.norm(target - pose.position))
             return (target - pose.position) / distance, distance
 
+        at = _remembered(lambda angles: self._between(self.pose(robot_model.LEFT_EYE_LINK, whole(angles))))
+
         def residual(angles: Floats) -> Floats:
-            left = self.pose(robot_model.LEFT_EYE_LINK, whole(angles))
-            pose = self._between(left)
+            pose = at(angles)
             ease = _GAZE_EASE * (angles - comfortable[_GAZE])
             return np.concatenate([10.0 * (pose.axes[:, 0] - line(pose)[0]), ease])
 
         def slope(angles: Floats) -> Floats:
-            pose = self._between(self.pose(robot_model.LEFT_EYE_LINK, whole(angles)))
+            pose = at(angles)
             towards, distance = line(pose)
-            axis = np.cross(pose.angular.T, pose.axes[:, 0]).T
+            axis = _cross(pose.angular.T, pose.axes[:, 0]).T
             drift = -(np.eye(3) - np.outer(towards, towards)) @ pose.linear / distance
             return np.vstack([10.0 * (axis - drift)[:, _GAZE], np.diag(_GAZE_EASE)])
 
@@ -208,13 +222,19 @@ class Kinematics:
     def _between(self, left: Pose) -> Pose:
         """Return the pose of the point between the eyes, with the direction of parallel eyes."""
         offset = -robot_model.EYE_BASELINE / 2 * left.axes[:, 1]
-        return Pose(left.position + offset, left.axes, left.linear + np.cross(left.angular.T, offset).T, left.angular)
+        return Pose(left.position + offset, left.axes, left.linear + _cross(left.angular.T, offset).T, left.angular)
 
     def _solve(self, residual, slope, start: Floats, free: NDArray[np.intp]) -> Floats:  # type: ignore[no-untyped-def]
         low, high = self.lower[free] + 1e-3, self.upper[free] - 1e-3
         first = np.clip(start[free], low + 1e-6, high - 1e-6)
         solved = least_squares(residual, first, jac=slope, bounds=(low, high), max_nfev=60, xtol=1e-6, ftol=1e-9)
         return np.asarray(solved.x, dtype=np.float64)
+
+
+def _remembered(pose: Callable[[Floats], Pose]) -> Callable[[Floats], Pose]:
+    """Keep the last poses: the solver asks for the residual and, separately, for its slope at the same angles."""
+    kept = lru_cache(maxsize=2)(lambda key: pose(np.frombuffer(key)))
+    return lambda angles: kept(angles.tobytes())
 
 
 def rotation(quaternion: Floats) -> Floats:
@@ -229,13 +249,19 @@ def rotation(quaternion: Floats) -> Floats:
     )
 
 
-def _turned(axis: Floats, angle: float) -> Floats:
-    """Return the (4, 4) rotation by ``angle`` about a unit ``axis`` (Rodrigues)."""
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    frame = np.eye(4)
-    frame[:3, :3] += math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)
-    return frame
+def _chain(tree: Mapping[str, _Joint], link: str) -> tuple[_Joint, ...]:
+    """Return the joints from the root to a link."""
+    chain: list[_Joint] = []
+    while link in tree:
+        chain.insert(0, tree[link])
+        link = chain[0].parent
+    return tuple(chain)
+
+
+def _cross(rows: Floats, others: Floats) -> Floats:
+    """Return the cross products of rows (N, 3) with rows (N, 3) or one vector, at a tenth of ``np.cross``."""
+    (a, b, c), (x, y, z) = rows.T, others.T
+    return np.stack([b * z - c * y, c * x - a * z, a * y - b * x], axis=1)
 
 
 def _numbers(joint: ElementTree.Element, tag: str, key: str) -> Floats:

@@ -48,6 +48,8 @@ class Robot:
             numbers[record[1].decode()] = number
         self._joints = [numbers[name] for name in kinematics.model_joints]
         self._torque = np.array([_torque(name) for name in kinematics.model_joints])
+        self._position_gains = np.full(len(self._joints), _POSITION_GAIN)
+        self._velocity_gains = np.full(len(self._joints), _VELOCITY_GAIN)
         self._tips = [self.links[f"r_{finger.name}_distal_phalanx"] for finger in robot_model.FINGERS]
 
     def set_finger_torque(self, torque: float, friction: float) -> None:
@@ -72,8 +74,8 @@ class Robot:
             targetPositions=self.kinematics.to_model @ angles,
             targetVelocities=self.kinematics.to_model @ velocities,
             forces=self._torque,
-            positionGains=np.full(len(self._joints), _POSITION_GAIN),
-            velocityGains=np.full(len(self._joints), _VELOCITY_GAIN),
+            positionGains=self._position_gains,
+            velocityGains=self._velocity_gains,
         )
 
     def joint_state(self) -> tuple[Floats, Floats]:

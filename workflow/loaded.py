@@ -31,4 +31,7 @@ def load(scripts: list[Path]) -> None:
         load_compiled()
 
 
-load([Path(script) for script in os.environ["LOADED_SCRIPTS"].split(os.pathsep)])
+try:
+    load([Path(script) for script in os.environ["LOADED_SCRIPTS"].split(os.pathsep)])
+except KeyboardInterrupt:  # the run says that it was stopped
+    raise SystemExit(1) from None

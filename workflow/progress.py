@@ -66,24 +66,27 @@ class Progress:
             self._stream.write("\n")
             self._stream.flush()
 
-    def remaining(self) -> float:
-        """Seconds that the rest takes, if a job takes what those of its stage (or all, if none) have taken."""
-        spent = sum(self._seconds.values())
-        typical = spent / self._done.total()
-        ahead = sum(
-            count * (self._seconds[stage] / self._done[stage] if self._done[stage] else typical)
-            for stage, count in self._left.items()
-        )
-        return (self._clock() - self._began) * ahead / spent
+    def remaining(self) -> float | None:
+        """Seconds that the rest takes, if a job takes what those of its stage took; None while too little is known.
+
+        Stages differ a hundredfold, so that nothing is said before most jobs that are left are of known stages.
+        """
+        means = {stage: self._seconds[stage] / count for stage, count in self._done.items()}
+        known = sum(self._left[stage] for stage in means)
+        if 2 * known < self._left.total():
+            return None
+        ahead = sum(self._left[stage] * mean for stage, mean in means.items()) * self._left.total() / max(known, 1)
+        return (self._clock() - self._began) * ahead / sum(self._seconds.values())
 
     def _write(self, stage: str) -> None:
         done, total = self._done.total(), self._done.total() + self._left.total()
         line = f"{done} of {total} jobs done ({done / total:.0%})"
         if stage:
             line += f", {stage} {self._done[stage]} of {self._done[stage] + self._left[stage]}"
-        if 0 < done < total:
-            line += f", about {span(self.remaining())} left"
-        elif done:
+        if done < total:
+            seconds = self.remaining() if done else None
+            line += "" if seconds is None else f", about {span(seconds)} left"
+        else:
             line += f" in {span(self._clock() - self._began)}"
         self._stream.write(f"{CLEAR}{line}" if self._stream.isatty() else f"{line}\n")
         self._stream.flush()

@@ -53,15 +53,25 @@ def test_on_a_terminal_the_line_is_redrawn_in_place() -> None:
 
 
 def test_the_rest_is_judged_by_what_jobs_of_its_stages_took() -> None:
-    """Two jobs at a time, 40 s of jobs in 20 s; of the stage `tables` nothing is known yet."""
+    """Two jobs at a time, 40 s of jobs in 20 s; of the 4 jobs of the stage `tables` nothing is known yet."""
     clock = Clock()
     progress = Progress(io.StringIO(), clock)
     progress.begin(["collect"] * 3 + ["fit"] * 8 + ["tables"] * 4)
     clock.now += 20.0
     for stage, seconds in [("collect", 20.0)] + [("fit", 5.0)] * 4:
         progress.finished(stage, seconds)
-    typical = 40.0 / 5
-    assert progress.remaining() == pytest.approx((2 * 20.0 + 4 * 5.0 + 4 * typical) / 2)
+    assert progress.remaining() == pytest.approx((2 * 20.0 + 4 * 5.0) / 2 * (10 / 6))
+
+
+def test_nothing_is_said_of_the_rest_while_most_of_it_is_unknown() -> None:
+    stream = Terminal()
+    progress = Progress(stream, Clock())
+    progress.begin(["collect"] * 2 + ["fit"] * 8)
+    progress.finished("collect", 20.0)
+    assert progress.remaining() is None
+    assert stream.getvalue().endswith("1 of 10 jobs done (10%), collect 1 of 2")
+    progress.finished("fit", 0.2)
+    assert progress.remaining() is not None
 
 
 def test_a_run_without_jobs_says_nothing() -> None:
