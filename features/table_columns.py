@@ -18,6 +18,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from data_collection.limits import MAX_TABLE_BYTES, MAX_TABLE_ROWS, MAX_TABLE_VALUES, MAX_TEXT_BYTES
+from features.parquet_sizes import sizes
 
 Kind = Literal["integer", "text", "words", "vector"]
 
@@ -83,7 +84,7 @@ def load(path: Path, columns: Sequence[Column]) -> tuple[Any, list[str]]:
         return None, [f"{path}: {path.stat().st_size:,} bytes; at most {MAX_TABLE_BYTES:,} are read"]
     try:
         with pq.ParquetFile(path) as file:
-            if problems := _too_big(path, file.metadata):
+            if problems := _too_big(path, file.schema):
                 return None, problems
             # Only columns that the contract knows are read, and texts as dictionaries: a short list of long texts
             # could else become gigabytes.
@@ -104,23 +105,18 @@ def load(path: Path, columns: Sequence[Column]) -> tuple[Any, list[str]]:
     return kept, problems + more
 
 
-def _too_big(path: Path, metadata: Any) -> list[str]:
-    """Refuse by the file's own metadata what would exhaust the memory when decompressed."""
-    size, numbers, texts = 0, 0, 0
-    for i in range(metadata.num_columns):
-        chunks = [metadata.row_group(group).column(i) for group in range(metadata.num_row_groups)]
-        size += sum(chunk.total_uncompressed_size for chunk in chunks)
-        values = sum(chunk.num_values for chunk in chunks)
-        if _is_text(metadata.schema.column(i)):
-            texts = max(texts, values)
-        else:
-            numbers = max(numbers, values)
-    rows = metadata.num_rows
-    if size > MAX_TABLE_BYTES or numbers > MAX_TABLE_VALUES or max(rows, texts) > MAX_TABLE_ROWS:
+def _too_big(path: Path, schema: Any) -> list[str]:
+    """Refuse by what the file says of itself what would exhaust the memory when it is unpacked."""
+    found = sizes(path)
+    is_text = [_is_text(schema.column(i)) for i in range(len(schema))]
+    counts = list(zip(found.values, is_text, strict=True)) if found.values else []
+    texts = max((count for count, text in counts if text), default=0)
+    numbers = max((count for count, text in counts if not text), default=0)
+    if found.unpacked > MAX_TABLE_BYTES or numbers > MAX_TABLE_VALUES or max(found.rows, texts) > MAX_TABLE_ROWS:
         return [
-            f"{path}: holds {rows:,} rows, up to {numbers:,} numbers and {texts:,} texts in one column and {size:,} "
-            f"bytes; at most {MAX_TABLE_ROWS:,} rows and texts, {MAX_TABLE_VALUES:,} numbers and {MAX_TABLE_BYTES:,} "
-            "bytes are read"
+            f"{path}: holds {found.rows:,} rows, up to {numbers:,} numbers and {texts:,} texts in one column and "
+            f"{found.unpacked:,} bytes; at most {MAX_TABLE_ROWS:,} rows and texts, {MAX_TABLE_VALUES:,} numbers and "
+            f"{MAX_TABLE_BYTES:,} bytes are read"
         ]
     return []
 
