@@ -91,9 +91,12 @@ def load(path: Path, columns: Sequence[Column]) -> tuple[Any, list[str]]:
             usable, problems = conform(str(path), file.schema_arrow.empty_table(), columns)
             texts = [leaf.path for leaf in map(file.schema.column, range(len(file.schema))) if _is_text(leaf)]
         with pq.ParquetFile(path, read_dictionary=texts, page_checksum_verification=True) as file:
-            table = file.read(columns=usable.column_names)
+            # One by one: Arrow does not join the dictionaries of lists of texts.
+            groups = [file.read_row_group(i, usable.column_names) for i in range(file.num_row_groups)]
+            table = (pa.concat_tables(groups) if groups else file.schema_arrow.empty_table()).select(
+                usable.column_names
+            )
             table.validate(full=True)
-            table = table.select(usable.column_names)
             if long := [name for name in table.column_names if _longest_text(table.column(name)) > MAX_TEXT_BYTES]:
                 return None, [f"{path}: column {long[0]!r} has a text of more than {MAX_TEXT_BYTES} bytes"]
             kept, more = conform(
