@@ -88,20 +88,18 @@ def load(path: Path, columns: Sequence[Column]) -> tuple[Any, list[str]]:
                 return None, problems
             # Only columns that the contract knows are read, and texts as dictionaries: a short list of long texts
             # could else become gigabytes.
-            usable, problems = conform(str(path), file.schema_arrow.empty_table(), columns)
+            usable, problems = _fitting(str(path), file.schema_arrow, columns)
+            names = [column.name for column in usable]
             texts = [leaf.path for leaf in map(file.schema.column, range(len(file.schema))) if _is_text(leaf)]
         with pq.ParquetFile(path, read_dictionary=texts, page_checksum_verification=True) as file:
             # One by one: Arrow does not join the dictionaries of lists of texts.
-            groups = [file.read_row_group(i, usable.column_names) for i in range(file.num_row_groups)]
-            table = (pa.concat_tables(groups) if groups else file.schema_arrow.empty_table()).select(
-                usable.column_names
-            )
+            groups = [file.read_row_group(i, names) for i in range(file.num_row_groups)]
+            table = pa.concat_tables(groups) if groups else pa.Table.from_batches([], file.schema_arrow)
+            table = table.select(names)
             table.validate(full=True)
-            if long := [name for name in table.column_names if _longest_text(table.column(name)) > MAX_TEXT_BYTES]:
+            if long := [name for name in names if _longest_text(table.column(name)) > MAX_TEXT_BYTES]:
                 return None, [f"{path}: column {long[0]!r} has a text of more than {MAX_TEXT_BYTES} bytes"]
-            kept, more = conform(
-                str(path), table, [column for column in columns if column.name in table.column_names]
-            )
+            kept, more = conform(str(path), table, usable)
     except (pa.ArrowException, OSError, ValueError, MemoryError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         return None, [f"{path}: not a Parquet file, truncated or damaged: {reason}"]
@@ -143,29 +141,37 @@ def _longest_text(values: Any) -> int:
 
 def conform(file: str, table: Any, columns: Sequence[Column]) -> tuple[Any, list[str]]:
     """Keep the usable ones of `columns` in their expected types, and report what is wrong with the others."""
-    names = [column.name for column in columns]
-    problems = [f"{file}: unknown column {name!r}; allowed: {', '.join(names)}"
-                for name in dict.fromkeys(table.column_names) if name not in names]  # fmt: skip
+    usable, problems = _fitting(file, table.schema, columns)
     kept = {}
-    for column in columns:
-        count = table.column_names.count(column.name)
+    for column in usable:
         expected = EXPECTED[column.kind]
-        if count == 0:
-            if column.required:
-                problems.append(f"{file}: column {column.name!r} is missing; expected {expected}")
-            continue
-        if count > 1:
-            problems.append(f"{file}: column {column.name!r} occurs {count} times; expected once")
-            continue
-        values = table.column(column.name)
-        if not _is_kind(values.type, column):
-            problems.append(f"{file}: column {column.name!r} has type {values.type}; expected {expected}")
-            continue
         try:
-            kept[column.name] = pa.concat_arrays(values.cast(expected).chunks or [pa.array([], expected)])
+            values = table.column(column.name).cast(expected)
+            kept[column.name] = pa.concat_arrays(values.chunks or [pa.array([], expected)])
         except pa.ArrowInvalid as error:
             problems.append(f"{file}: column {column.name!r}: {error}; expected {expected}")
     return pa.table(kept), problems
+
+
+def _fitting(file: str, schema: Any, columns: Sequence[Column]) -> tuple[list[Column], list[str]]:
+    """Give the ones of `columns` that a schema has in a fitting type, and what is wrong with the others."""
+    names = [column.name for column in columns]
+    problems = [f"{file}: unknown column {name!r}; allowed: {', '.join(names)}"
+                for name in dict.fromkeys(schema.names) if name not in names]  # fmt: skip
+    usable = []
+    for column in columns:
+        count = schema.names.count(column.name)
+        expected = EXPECTED[column.kind]
+        if count > 1:
+            problems.append(f"{file}: column {column.name!r} occurs {count} times; expected once")
+        elif count == 1 and _is_kind(schema.field(column.name).type, column):
+            usable.append(column)
+        elif count == 1:
+            type_ = schema.field(column.name).type
+            problems.append(f"{file}: column {column.name!r} has type {type_}; expected {expected}")
+        elif column.required:
+            problems.append(f"{file}: column {column.name!r} is missing; expected {expected}")
+    return usable, problems
 
 
 def _is_kind(type_: Any, column: Column) -> bool:
