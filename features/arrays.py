@@ -46,6 +46,8 @@ def load_arrays(path: Path, kind: str, names: tuple[str, ...]) -> dict[str, NDAr
                 raise ValueError(f"unpacks to more than {MAX_ARRAYS_BYTES:,} bytes")
         with np.load(path, allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
+        if bare := [name for name, array in arrays.items() if not isinstance(array, np.ndarray)]:
+            raise ValueError(f"{', '.join(bare)} hold no array")  # NumPy gives their bytes
     except Exception as error:  # damaged bytes surface as zip, zlib, memory, syntax, … errors
         raise ArtifactError(f"{path}: not a file of {kind}, truncated or damaged: {error}") from error
     found = str(arrays.pop("kind", ""))

@@ -137,8 +137,11 @@ def load(path: Path) -> Fit:
         ValueError: the file is not a fit, or is damaged; the message names it.
     """
     try:
-        with np.load(path, allow_pickle=False) as arrays:
-            return _from_arrays({name: arrays[name] for name in arrays.files})
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+        if not all(isinstance(array, np.ndarray) for array in arrays.values()):
+            raise ValueError("a part is no array")  # NumPy gives its bytes
+        return _from_arrays(arrays)
     except OSError:
         raise
     except Exception as error:  # damaged bytes surface as zip, zlib, memory, key, … errors
