@@ -30,6 +30,8 @@ STYLE: Any = {
     "axes.spines.right": False,
     # Text stays text, so that a PDF can be searched.
     "pdf.fonttype": 42,
+    # A word with two dollar signs is no formula.
+    "text.parse_math": False,
 }
 
 

@@ -49,7 +49,8 @@ def text_forms(title: str, grids: Sequence[Grid], note: str) -> dict[str, str]:
 
 def markdown(grid: Grid) -> str:
     """A table with its caption in Markdown."""
-    cells = _marked(grid, "**", "**").to_markdown(index=False, disable_numparse=True)
+    escaped = Grid(grid.caption, grid.cells.astype(str).map(lambda text: text.translate(_MARKDOWN)), grid.bold)
+    cells = _marked(escaped, "**", "**").to_markdown(index=False, disable_numparse=True)
     return f"**{grid.caption}**\n\n{cells}"
 
 
@@ -93,10 +94,22 @@ def _marked(grid: Grid, before: str, after: str) -> pd.DataFrame:
 
 
 def _escape(text: str) -> str:
-    for symbol, replacement in (("_", r"\_"), ("%", r"\%"), ("±", r"$\pm$"), ("−", "$-$"), ("–", "--")):
-        text = text.replace(symbol, replacement)
-    return text
+    return text.translate(_LATEX)
 
+
+# Words may be of any visible characters; in the tables they are only text.
+_MARKDOWN = str.maketrans({**{symbol: f"\\{symbol}" for symbol in "\\|`*[]"}, "<": "&lt;", "&": "&amp;"})
+_LATEX = str.maketrans(
+    {
+        **{symbol: f"\\{symbol}" for symbol in "_%&#${}"},
+        "\\": r"\textbackslash{}",
+        "~": r"\textasciitilde{}",
+        "^": r"\textasciicircum{}",
+        "±": r"$\pm$",
+        "−": "$-$",
+        "–": "--",
+    }
+)
 
 STYLE = """body { font: 15px/1.5 system-ui, sans-serif; margin: 2em; color: #222; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: 1.5em 0; }

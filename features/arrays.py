@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from data_collection.limits import MAX_ARRAYS_BYTES
 from features.files import replacing
 
 
@@ -40,9 +41,14 @@ def load_arrays(path: Path, kind: str, names: tuple[str, ...]) -> dict[str, NDAr
     if not path.is_file():
         raise ArtifactError(f"{path}: no such file of {kind}")
     try:
+        with zipfile.ZipFile(path) as archive:
+            if sum(member.file_size for member in archive.infolist()) > MAX_ARRAYS_BYTES:
+                raise ValueError(f"unpacks to more than {MAX_ARRAYS_BYTES:,} bytes")
         with np.load(path, allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zipfile.zlib.error) as error:  # type: ignore[attr-defined]
+        if bare := [name for name, array in arrays.items() if not isinstance(array, np.ndarray)]:
+            raise ValueError(f"{', '.join(bare)} hold no array")  # NumPy gives their bytes
+    except Exception as error:  # damaged bytes surface as zip, zlib, memory, syntax, … errors
         raise ArtifactError(f"{path}: not a file of {kind}, truncated or damaged: {error}") from error
     found = str(arrays.pop("kind", ""))
     if found != kind:

@@ -6,7 +6,6 @@ The only module that imports torch, and only when the network is run.
 from __future__ import annotations
 
 import hashlib
-import pickle
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -180,7 +179,7 @@ def _loaded(weights: str, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, An
             state = torch.load(weights, map_location="cpu", weights_only=True)
     except FileNotFoundError as error:
         raise WeightsError(f"{weights}: no such file of weights") from error
-    except (OSError, RuntimeError, pickle.UnpicklingError, EOFError, ValueError, KeyError) as error:
+    except Exception as error:  # damaged bytes surface as pickle, zip, memory, attribute, … errors
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         hint = "; it needs the network once, or use `weights: seeded`" if weights == "imagenet1k" else ""
         raise WeightsError(f"weights {weights} cannot be loaded: {reason}{hint}") from error
@@ -188,13 +187,20 @@ def _loaded(weights: str, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, An
                 for name, shape in shapes.items() if _shape(state, name) != shape]  # fmt: skip
     if problems:
         raise WeightsError(f"{weights}: not the weights of torchvision's AlexNet: " + "; ".join(problems))
-    return {name: state[name].to(torch.float32) for name in shapes}
+    weights_ = {name: state[name].to(torch.float32) for name in shapes}
+    if unusable := [name for name, value in weights_.items() if value.is_meta or not value.isfinite().all()]:
+        raise WeightsError(f"{weights}: {', '.join(unusable)} hold no finite numbers")
+    return weights_
 
 
 def _shape(state: Any, name: str) -> tuple[int, ...] | None:
     """Give the shape of one tensor of a state dict; None without it."""
+    import torch
+
     value = state.get(name) if isinstance(state, Mapping) else None
-    return None if value is None else tuple(getattr(value, "shape", ()))
+    if not (isinstance(value, torch.Tensor) and value.is_floating_point() and value.layout == torch.strided):
+        return None
+    return tuple(value.shape)
 
 
 def weights_provenance(settings: FeatureSettings) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from features.arrays import load_arrays, save_arrays, texts_from_array, texts_to_array
+from features.arrays import ArtifactError, load_arrays, save_arrays, texts_from_array, texts_to_array
 from features.table import Texts
 
 BY_TRIAL = (
@@ -177,7 +177,10 @@ def load_percepts(path: Path) -> Percepts:
 
     """
     arrays: dict[str, Any] = load_arrays(path, "percepts", tuple(item.name for item in fields(Percepts)))
-    arrays["words"] = tuple(tuple(json.loads(str(sentence))) for sentence in arrays["words"])
-    for name in ("joint_names", "dropped"):
-        arrays[name] = tuple(str(text) for text in arrays[name])
-    return Percepts(**arrays | {name: texts_from_array(arrays[name]) for name in TRUTH})
+    try:
+        arrays["words"] = tuple(tuple(json.loads(str(sentence))) for sentence in arrays["words"])
+        for name in ("joint_names", "dropped"):
+            arrays[name] = tuple(str(text) for text in arrays[name])
+        return Percepts(**arrays | {name: texts_from_array(arrays[name]) for name in TRUTH})
+    except (TypeError, ValueError, RecursionError) as error:
+        raise ArtifactError(f"{path}: its texts are no percepts' ({error})") from error

@@ -18,6 +18,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from data_collection.limits import MAX_TABLE_BYTES, MAX_TABLE_ROWS, MAX_TABLE_VALUES, MAX_TEXT_BYTES
+from features.parquet_sizes import sizes
 
 Kind = Literal["integer", "text", "words", "vector"]
 
@@ -83,44 +84,40 @@ def load(path: Path, columns: Sequence[Column]) -> tuple[Any, list[str]]:
         return None, [f"{path}: {path.stat().st_size:,} bytes; at most {MAX_TABLE_BYTES:,} are read"]
     try:
         with pq.ParquetFile(path) as file:
-            if problems := _too_big(path, file.metadata):
+            if problems := _too_big(path, file.schema):
                 return None, problems
             # Only columns that the contract knows are read, and texts as dictionaries: a short list of long texts
             # could else become gigabytes.
-            usable, problems = conform(str(path), file.schema_arrow.empty_table(), columns)
+            usable, problems = _fitting(str(path), file.schema_arrow, columns)
+            names = [column.name for column in usable]
             texts = [leaf.path for leaf in map(file.schema.column, range(len(file.schema))) if _is_text(leaf)]
         with pq.ParquetFile(path, read_dictionary=texts, page_checksum_verification=True) as file:
-            table = file.read(columns=usable.column_names)
+            # One by one: Arrow does not join the dictionaries of lists of texts.
+            groups = [file.read_row_group(i, names) for i in range(file.num_row_groups)]
+            table = pa.concat_tables(groups) if groups else pa.Table.from_batches([], file.schema_arrow)
+            table = table.select(names)
             table.validate(full=True)
-            table = table.select(usable.column_names)
-            if long := [name for name in table.column_names if _longest_text(table.column(name)) > MAX_TEXT_BYTES]:
+            if long := [name for name in names if _longest_text(table.column(name)) > MAX_TEXT_BYTES]:
                 return None, [f"{path}: column {long[0]!r} has a text of more than {MAX_TEXT_BYTES} bytes"]
-            kept, more = conform(
-                str(path), table, [column for column in columns if column.name in table.column_names]
-            )
+            kept, more = conform(str(path), table, usable)
     except (pa.ArrowException, OSError, ValueError, MemoryError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         return None, [f"{path}: not a Parquet file, truncated or damaged: {reason}"]
     return kept, problems + more
 
 
-def _too_big(path: Path, metadata: Any) -> list[str]:
-    """Refuse by the file's own metadata what would exhaust the memory when decompressed."""
-    size, numbers, texts = 0, 0, 0
-    for i in range(metadata.num_columns):
-        chunks = [metadata.row_group(group).column(i) for group in range(metadata.num_row_groups)]
-        size += sum(chunk.total_uncompressed_size for chunk in chunks)
-        values = sum(chunk.num_values for chunk in chunks)
-        if _is_text(metadata.schema.column(i)):
-            texts = max(texts, values)
-        else:
-            numbers = max(numbers, values)
-    rows = metadata.num_rows
-    if size > MAX_TABLE_BYTES or numbers > MAX_TABLE_VALUES or max(rows, texts) > MAX_TABLE_ROWS:
+def _too_big(path: Path, schema: Any) -> list[str]:
+    """Refuse by what the file says of itself what would exhaust the memory when it is unpacked."""
+    found = sizes(path)
+    is_text = [_is_text(schema.column(i)) for i in range(len(schema))]
+    counts = list(zip(found.values, is_text, strict=True)) if found.values else []
+    texts = max((count for count, text in counts if text), default=0)
+    numbers = max((count for count, text in counts if not text), default=0)
+    if found.unpacked > MAX_TABLE_BYTES or numbers > MAX_TABLE_VALUES or max(found.rows, texts) > MAX_TABLE_ROWS:
         return [
-            f"{path}: holds {rows:,} rows, up to {numbers:,} numbers and {texts:,} texts in one column and {size:,} "
-            f"bytes; at most {MAX_TABLE_ROWS:,} rows and texts, {MAX_TABLE_VALUES:,} numbers and {MAX_TABLE_BYTES:,} "
-            "bytes are read"
+            f"{path}: holds {found.rows:,} rows, up to {numbers:,} numbers and {texts:,} texts in one column and "
+            f"{found.unpacked:,} bytes; at most {MAX_TABLE_ROWS:,} rows and texts, {MAX_TABLE_VALUES:,} numbers and "
+            f"{MAX_TABLE_BYTES:,} bytes are read"
         ]
     return []
 
@@ -144,29 +141,37 @@ def _longest_text(values: Any) -> int:
 
 def conform(file: str, table: Any, columns: Sequence[Column]) -> tuple[Any, list[str]]:
     """Keep the usable ones of `columns` in their expected types, and report what is wrong with the others."""
-    names = [column.name for column in columns]
-    problems = [f"{file}: unknown column {name!r}; allowed: {', '.join(names)}"
-                for name in dict.fromkeys(table.column_names) if name not in names]  # fmt: skip
+    usable, problems = _fitting(file, table.schema, columns)
     kept = {}
-    for column in columns:
-        count = table.column_names.count(column.name)
+    for column in usable:
         expected = EXPECTED[column.kind]
-        if count == 0:
-            if column.required:
-                problems.append(f"{file}: column {column.name!r} is missing; expected {expected}")
-            continue
-        if count > 1:
-            problems.append(f"{file}: column {column.name!r} occurs {count} times; expected once")
-            continue
-        values = table.column(column.name)
-        if not _is_kind(values.type, column):
-            problems.append(f"{file}: column {column.name!r} has type {values.type}; expected {expected}")
-            continue
         try:
-            kept[column.name] = pa.concat_arrays(values.cast(expected).chunks or [pa.array([], expected)])
+            values = table.column(column.name).cast(expected)
+            kept[column.name] = pa.concat_arrays(values.chunks or [pa.array([], expected)])
         except pa.ArrowInvalid as error:
             problems.append(f"{file}: column {column.name!r}: {error}; expected {expected}")
     return pa.table(kept), problems
+
+
+def _fitting(file: str, schema: Any, columns: Sequence[Column]) -> tuple[list[Column], list[str]]:
+    """Give the ones of `columns` that a schema has in a fitting type, and what is wrong with the others."""
+    names = [column.name for column in columns]
+    problems = [f"{file}: unknown column {name!r}; allowed: {', '.join(names)}"
+                for name in dict.fromkeys(schema.names) if name not in names]  # fmt: skip
+    usable = []
+    for column in columns:
+        count = schema.names.count(column.name)
+        expected = EXPECTED[column.kind]
+        if count > 1:
+            problems.append(f"{file}: column {column.name!r} occurs {count} times; expected once")
+        elif count == 1 and _is_kind(schema.field(column.name).type, column):
+            usable.append(column)
+        elif count == 1:
+            type_ = schema.field(column.name).type
+            problems.append(f"{file}: column {column.name!r} has type {type_}; expected {expected}")
+        elif column.required:
+            problems.append(f"{file}: column {column.name!r} is missing; expected {expected}")
+    return usable, problems
 
 
 def _is_kind(type_: Any, column: Column) -> bool:

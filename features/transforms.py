@@ -205,5 +205,5 @@ def load_transforms(path: Path) -> Transforms:
 
     """
     arrays: dict[str, Any] = load_arrays(path, "transforms", tuple(item.name for item in fields(Transforms)))
-    arrays["action_names"] = tuple(str(name) for name in arrays["action_names"])
+    arrays["action_names"] = tuple(str(name) for name in np.ravel(arrays["action_names"]))
     return Transforms(**arrays | {"provenance": str(arrays["provenance"])})

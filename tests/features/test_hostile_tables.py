@@ -19,6 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from data_collection.limits import MAX_TABLE_BYTES, MAX_VECTOR_LENGTH
+from features.parquet_sizes import sizes
 from features.table import TableError, check_table, read_table, write_table
 from features.table_columns import Column
 from tests.bounded import errors_within
@@ -347,3 +348,25 @@ def test_fuzz_any_bytes(folder: Path, content: bytes, footer: bool) -> None:
         content = b"PAR1" + content + len(content).to_bytes(4, "little") + b"PAR1"
     trials.write_bytes(content)
     assert "trials.parquet: not a Parquet file" in refusals((trials, objects))[0]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"data_page_version": "2.0"},
+        {"version": "1.0"},
+        {"row_group_size": 1},
+        {"compression": "none", "use_dictionary": False},
+        {"compression": "gzip", "write_page_index": True},
+        {"compression": "brotli", "write_statistics": False},
+        {"compression": "lz4", "data_page_size": 1, "store_schema": False},
+    ],
+    ids=str,
+)
+def test_files_of_any_writer_are_read(folder: Path, options: dict[str, Any]) -> None:
+    expected = read_table(*saved(folder, valid()), need_attention=True)
+    paths = folder / "trials.parquet", folder / "objects.parquet"
+    for path, table in zip(paths, tables().values(), strict=True):
+        pq.write_table(table, path, **options)
+    assert read_table(*paths, need_attention=True).words == expected.words
+    assert sizes(paths[0]).rows == 3
