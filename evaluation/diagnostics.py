@@ -33,7 +33,7 @@ def diagnose_condition(condition: Mapping[str, Any], fits: Sequence[Fit]) -> tup
     """
     quantities = chain_quantities(fits, BURN_IN)
     table = pd.DataFrame([asdict(one) for one in diagnose(quantities)])
-    table = table.astype({name: float for name in table.columns.drop("quantity")})
+    table = table.astype(dict.fromkeys(table.columns.drop("quantity"), float))
     # What is the same everywhere has no ranks.
     shown = {name: draws for name, draws in quantities.items() if not name.startswith(PAIR) and np.ptp(draws) > 0}
     title = ", ".join(
