@@ -29,7 +29,8 @@ class Diagnosis:
         r_hat: rank-normalised split R-hat (Vehtari et al. 2021); about 1 where chains agree, infinite where each
             stays at a value of its own. None where the quantity is the same everywhere, or the chain the only one,
             for then nothing can be said.
-        ess_bulk: effective sample size in the bulk; None for a quantity that is the same everywhere, or if ArviZ finds none.
+        ess_bulk: effective sample size in the bulk; None where the quantity is the same everywhere, or where ArviZ
+            finds none.
         ess_tail: effective sample size in the tails, likewise.
     """
 
