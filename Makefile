@@ -13,10 +13,11 @@ RUN = $(PYTHON) -m workflow run --profile $(PROFILE) $(if $(CORES),--cores $(COR
 VENV := .venv
 READY := $(VENV)/.ready
 PYTHON := $(VENV)/bin/python
+BENCH_TRIALS := $(foreach D,20 40,features/simulator/D$(D)/train_trials.parquet)
 SOURCES := data_collection features model evaluation workflow tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study smoke snakemake-report compare verify cache-info cache-clean test test-slow lint format bench docs lock reference clean
+.PHONY: help setup study smoke snakemake-report compare verify cache-info cache-clean test test-slow lint format bench docs lock reference reference-bench clean
 
 help:
 	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=n] [CACHE=folder]  run a study"
@@ -28,7 +29,7 @@ help:
 	@echo "make snakemake-report [CONFIG=…] [OUT=…]   the study, and Snakemake's own report of it (workflow, run times, results)"
 	@echo "make test | test-slow | lint | format | bench | docs"
 	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
-	@echo "make reference   run the study and keep its tables and figures in results/reference"
+	@echo "make reference | reference-bench   run the study, or the benchmarks, and keep what they show in results/reference"
 	@echo "make clean   remove results but results/reference"
 
 # Everything is pinned in environment.lock and installed in a private environment. PyBullet has no wheels for
@@ -89,9 +90,13 @@ format: $(READY)
 	$(VENV)/bin/ruff format $(SOURCES)
 	$(VENV)/bin/snakefmt Snakefile workflow/rules
 
+# The samplers are compared on the study's features: from the cache after a study, simulated in a few minutes without.
 bench: $(READY)
 	$(PYTHON) -m benchmarks.jobs $(OUT) --out $(OUT)/bench
 	$(PYTHON) -m benchmarks --out $(OUT)/bench
+	$(PYTHON) -m workflow run --config config/config.yaml --out $(OUT)/bench/study --cores $(CORES) -- $(BENCH_TRIALS)
+	$(PYTHON) -m benchmarks.comparison --out $(OUT)/bench \
+		$(foreach trials,$(BENCH_TRIALS),$(OUT)/bench/study/$(trials) $(OUT)/bench/study/$(trials:trials.parquet=objects.parquet))
 
 docs: $(READY)
 	$(PYTHON) -m workflow.reference docs/config.md
@@ -111,6 +116,11 @@ reference: study
 	@mkdir -p results/reference/figures
 	@cp $(OUT)/figures/*.png $(OUT)/figures/*.gif results/reference/figures/
 	@cp -r $(OUT)/tables $(OUT)/scores.csv $(OUT)/claims*.csv results/reference/
+
+# The same of the benchmarks, which are to be measured on an idle machine.
+reference-bench: bench
+	@mkdir -p results/reference/bench
+	@cp $(OUT)/bench/*.csv $(OUT)/bench/*.md $(OUT)/bench/*.png results/reference/bench/
 
 clean:
 	@find results -mindepth 1 -maxdepth 1 ! -name reference -exec rm -rf {} + 2>/dev/null || true

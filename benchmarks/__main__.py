@@ -1,7 +1,7 @@
 """Run the benchmarks: `python -m benchmarks --out DIR [--quick]`.
 
-Writes fits.csv (time and memory of fits), kernels.csv (hot kernels against the peak of one core), scaling.png and
-roofline.png. The progress goes to standard error.
+Writes fits.csv (time and memory of fits), kernels.csv (hot kernels against the peak of one core), scaling.png,
+roofline.png, and summary.md, which sums them up. The progress goes to standard error.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ def main() -> None:
     from benchmarks.kernels import measure_kernels, measure_machine
     from benchmarks.measure import as_row, measure
     from benchmarks.plots import draw_roofline, draw_scaling
+    from benchmarks.summary import summary
 
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__.split("\n")[0])
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
@@ -35,10 +36,10 @@ def main() -> None:
     rows, began = [], time.perf_counter()
     cases = list(all_cases(arguments.quick))
     for number, case in enumerate(cases, start=1):
-        result = measure(case, repetitions=3 if case.series == "paper" and not arguments.quick else 1)
+        result = measure(case)
         rows.append(as_row(case, result))
-        line = f"[{number}/{len(cases)}] {case.series} {case.size} {case.method} {case.inference}"
-        sys.stderr.write(f"{line}: {result.seconds:.3f} s, {result.peak_mebibytes:.0f} MiB\n")
+        line = f"[{number}/{len(cases)}] {case.series} {case.size} {case.method} {case.sampler}"
+        sys.stderr.write(f"{line}: {result.processor_seconds:.3f} s, {result.peak_mebibytes:.0f} MiB\n")
     fits = pd.DataFrame(rows)
     fits.to_csv(arguments.out / "fits.csv", index=False, float_format="%.6g")
     draw_scaling(fits, arguments.out / "scaling.png")
@@ -61,6 +62,7 @@ def main() -> None:
     )
     kernels.to_csv(arguments.out / "kernels.csv", index=False, float_format="%.6g")
     draw_roofline(kernels, machine, arguments.out / "roofline.png")
+    (arguments.out / "summary.md").write_text(summary(fits, kernels, machine), encoding="utf-8")
     sys.stderr.write(
         f"one core: {machine.peak / 1e9:.1f} · 10⁹ operations a second, {machine.bandwidth / 1e9:.1f} GB a second; "
         f"done in {time.perf_counter() - began:.0f} s: {arguments.out}\n"

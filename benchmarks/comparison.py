@@ -1,8 +1,8 @@
 """Blocked, averaged and collapsed sampling side by side on feature files.
 
 `python -m benchmarks.comparison --out DIR TRIALS OBJECTS [TRIALS OBJECTS …]` reads pairs of feature files with their
-truth and writes comparison.csv (a row a fit) and comparison.md (means over the seeds) with EAR, ARI, the log joint
-and effective samples of the log joint a second of processor time.
+truth and writes comparison.csv (a row a fit) and comparison.md (means over the seeds) with EAR, ARI, the log joint,
+effective samples of the log joint a second of processor time, and R-hat of the log joint over the seeds.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import argparse
 import os
 import sys
 import time
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,7 +24,9 @@ if TYPE_CHECKING:
 
     from features.table import FeatureTable
     from model import Fit
+    from model.data import Floats
 
+Row = dict[str, object]
 CHANNELS = ("action", "position", "object", "color")
 
 
@@ -52,11 +53,12 @@ VARIANTS = (
 BEST = Variant("collapsed, best of 8, annealed from 5", {"inference": "collapsed", "chains": 8, "temperature": 5.0})
 
 
-def compare(table: FeatureTable, ROW: int, method: str, variant: Variant, seed: int) -> dict[str, object]:
+def compare(table: FeatureTable, ROW: int, method: str, variant: Variant, seed: int) -> tuple[Row, Fit]:
     """One fit and its measures; the same words are omitted for all methods and samplers of a seed."""
     import numpy as np
 
     from model import Prior, Settings, Trials, fit
+    from model.diagnostics import diagnose
     from model.omission import kept_words
 
     trials = Trials.from_arrays(**table.learning_input())
@@ -72,17 +74,20 @@ def compare(table: FeatureTable, ROW: int, method: str, variant: Variant, seed: 
         **variant.arguments,
     )
     seconds = time.process_time() - began
-    row: dict[str, object] = {"D": trials.count, "ROW": ROW, "method": method, "sampler": variant.name, "seed": seed}
+    row: Row = {"D": trials.count, "ROW": ROW, "method": method, "sampler": variant.name, "seed": seed}
     row |= measures(result, table) | {"log_joint": result.trace_log_joint[-1], "seconds": seconds}
     # Of the second half of the chain, which is what it may be used for, in the time of the whole.
-    chains = int(variant.arguments.get("chains", 1))
-    row["ess_per_second"] = (
-        effective_size(result.trace_log_joint[len(result.trace_log_joint) // 2 :]) * chains / seconds
-    )
-    return row
+    size = diagnose({"log_joint": late(result)[None]})[0].ess_bulk
+    row["ess_per_second"] = None if size is None else size / seconds
+    return row, result
 
 
-def measures(fit: Fit, table: FeatureTable) -> dict[str, object]:
+def late(fit: Fit) -> Floats:
+    """The log joint along the second half of the chain."""
+    return fit.trace_log_joint[len(fit.trace_log_joint) // 2 :]
+
+
+def measures(fit: Fit, table: FeatureTable) -> Row:
     """EAR, and ARI of each channel."""
     import numpy as np
     from sklearn.metrics import adjusted_rand_score
@@ -91,7 +96,7 @@ def measures(fit: Fit, table: FeatureTable) -> dict[str, object]:
 
     truth = {name: list(getattr(table, f"truth_{name}")) for name in CHANNELS}
     channel_of = {word: c for c, name in enumerate(CHANNELS) for word in truth[name]}
-    result: dict[str, object] = {"EAR": None}
+    result: Row = {"EAR": None}
     if METHODS[fit.method].has_frames and len(fit.state.F):
         true = [channel_of[fit.trials.vocabulary[w]] for w in fit.trials.words[0]]
         result["EAR"] = float(np.mean(fit.state.F == true))
@@ -100,21 +105,12 @@ def measures(fit: Fit, table: FeatureTable) -> dict[str, object]:
     return result
 
 
-def effective_size(trace: Any) -> float:
-    """Effective sample size (bulk) of one chain of the log joint."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        import arviz
-    ess: Any = arviz.ess
-    return float(ess(trace[None], method="bulk"))
-
-
 def as_markdown(rows: pd.DataFrame) -> str:
     """Means over the seeds."""
     keys = ["D", "ROW", "method", "sampler"]
     numbers = [column for column in rows.columns if column not in (*keys, "seed")]
     means = rows.groupby(keys, sort=False)[numbers].mean().reset_index()
-    formats = {"log_joint": "{:.0f}", "seconds": "{:.2f}", "ess_per_second": "{:.0f}"}
+    formats = {"log_joint": "{:.0f}", "seconds": "{:.2f}", "ess_per_second": "{:.0f}", "r_hat": "{:.1f}"}
     lines = ["| " + " | ".join(means.columns) + " |", "| " + " | ".join("---" for _ in means.columns) + " |"]
     for _, row in means.iterrows():
         cells = [str(row[key]) for key in keys]
@@ -125,9 +121,11 @@ def as_markdown(rows: pd.DataFrame) -> str:
 
 def main() -> None:
     """Compare and write."""
+    import numpy as np
     import pandas as pd
 
     from features.table import read_table
+    from model.diagnostics import diagnose
 
     parser = argparse.ArgumentParser(prog="python -m benchmarks.comparison", description=__doc__.split("\n")[0])
     parser.add_argument("files", type=Path, nargs="+", help="trials and objects, in turn")
@@ -148,8 +146,15 @@ def main() -> None:
         for ROW in arguments.row:
             for method in ("proposed", "no_mec2", "mmlda"):
                 for variant in variants:
-                    new = [compare(table, ROW, method, variant, seed) for seed in range(1, arguments.seeds + 1)]
-                    rows += new
+                    new, fits = zip(
+                        *(compare(table, ROW, method, variant, seed) for seed in range(1, arguments.seeds + 1)),
+                        strict=True,
+                    )
+                    # With words omitted, each seed has a posterior of its own.
+                    r_hat = (
+                        diagnose({"log_joint": np.stack([late(one) for one in fits])})[0].r_hat if ROW == 0 else None
+                    )
+                    rows += [row | {"r_hat": r_hat} for row in new]
                     sys.stderr.write(f"{new[0]['D']} trials, ROW {ROW}, {method}, {variant.name}\n")
     frame = pd.DataFrame(rows)
     frame.to_csv(arguments.out / "comparison.csv", index=False, float_format="%.6g")

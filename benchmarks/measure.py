@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import multiprocessing
-import resource
+import re
 import time
 from dataclasses import asdict, dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -29,21 +30,26 @@ class Measurement:
     baseline_mebibytes: float
 
 
-def measure(case: Case, repetitions: int) -> Measurement:
+def measure(case: Case) -> Measurement:
     """Run a case in a new process."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:
-        return pool.apply(_measure_here, (case, repetitions))
+        return pool.apply(_measure_here, (case,))
 
 
 def as_row(case: Case, result: Measurement) -> dict[str, object]:
     """A row of the table of results, seconds an iteration included."""
-    row = {**asdict(case), "dimensions": " ".join(str(dim) for dim in case.dimensions), **asdict(result)}
+    row = {
+        **asdict(case),
+        "sampler": case.sampler,
+        "dimensions": " ".join(str(dim) for dim in case.dimensions),
+        **asdict(result),
+    }
     row["seconds_per_iteration"] = result.seconds / case.iterations
     row["processor_seconds_per_iteration"] = result.processor_seconds / case.iterations
     return row
 
 
-def _measure_here(case: Case, repetitions: int) -> Measurement:
+def _measure_here(case: Case) -> Measurement:
     from model import Prior, Settings, fit
 
     trials = make_trials(case)
@@ -56,7 +62,7 @@ def _measure_here(case: Case, repetitions: int) -> Measurement:
     run(1)  # Loads the compiled code.
     baseline = _peak()
     wall, processor = [], []
-    for _ in range(repetitions):
+    for _ in range(case.repetitions):
         before = time.perf_counter(), time.process_time()
         run(case.iterations)
         wall.append(time.perf_counter() - before[0])
@@ -65,5 +71,9 @@ def _measure_here(case: Case, repetitions: int) -> Measurement:
 
 
 def _peak() -> float:
-    """Largest resident memory of this process so far, MiB."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    """Largest resident memory of this process so far, MiB.
+
+    Not by getrusage, which a new process inherits from the one that started it.
+    """
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    return float(re.findall(r"VmHWM:\s*(\d+) kB", status)[0]) / 1024.0

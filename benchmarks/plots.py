@@ -21,35 +21,43 @@ LABELS = {
 
 def draw_scaling(fits: pd.DataFrame, path: Path) -> None:
     """Processor time of an iteration along each series, both axes logarithmic; the grey line grows linearly."""
-    figure = Figure(figsize=(3.2 * len(LABELS), 3.2), layout="constrained")
-    axes = figure.subplots(1, len(LABELS))
+    figure = Figure(figsize=(2.9 * len(LABELS), 3.4), layout="constrained")
+    axes = figure.subplots(1, len(LABELS), sharey=True)
     for axis, (series, label) in zip(axes, LABELS.items(), strict=True):
-        for inference, rows in fits[fits.series == series].groupby("inference"):
-            axis.loglog(rows["size"], rows.processor_seconds_per_iteration, "o-", label=inference)
-            first = rows.iloc[0]
+        of_series = fits[fits.series == series]
+        for inference, rows in of_series.groupby("inference"):
+            times = 1000.0 * rows.processor_seconds_per_iteration
+            axis.loglog(rows["size"], times, "o-", label=inference)
+            linear = rows["size"] / rows["size"].iloc[0] * times.iloc[0]
             axis.loglog(
-                rows["size"],
-                rows["size"] / first["size"] * first.processor_seconds_per_iteration,
-                color="0.8",
-                zorder=0,
+                rows["size"], linear, color="0.8", zorder=0, label="linear" if inference == "blocked" else None
             )
+        sizes = sorted(set(of_series["size"]))
+        axis.set_xticks(sizes, [f"{size:,}" for size in sizes])
+        axis.set_xticks([], minor=True)
         axis.set_xlabel(label)
-    axes[0].set_ylabel("seconds an iteration")
-    axes[0].legend()
-    figure.savefig(path, dpi=120)
+    axes[0].yaxis.set_major_formatter("{x:g}")
+    axes[0].set_ylabel("milliseconds an iteration")
+    axes[0].legend(frameon=False)
+    figure.savefig(path, dpi=110, metadata={"Software": None})
 
 
 def draw_roofline(kernels: pd.DataFrame, machine: Machine, path: Path) -> None:
     """Speed of the kernels over their arithmetic intensity, under the roof of one core."""
-    figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+    figure = Figure(figsize=(7.2, 4.6), layout="constrained")
     axis = figure.subplots()
-    intensity = np.geomspace(0.05, 100, 50)
-    axis.loglog(intensity, np.minimum(machine.peak, intensity * machine.bandwidth) / 1e9, "k-", label="one core")
+    ridge = machine.peak / machine.bandwidth
+    intensity = np.array([0.05, ridge, 400.0])
+    roof = f"one core: {machine.peak / 1e9:.0f} · 10⁹ operations, {machine.bandwidth / 1e9:.0f} GB a second"
+    axis.loglog(intensity, np.minimum(machine.peak, intensity * machine.bandwidth) / 1e9, "k-", label=roof)
     for name, rows in kernels.groupby("kernel"):
-        axis.loglog(rows.flops / rows.bytes, rows.gigaflops, "o", label=name)
+        axis.loglog(rows.flops / rows.bytes, rows.gigaflops, "o-", linewidth=0.5, markersize=4, label=name)
         for _, row in rows.iterrows():
-            axis.annotate(str(row.dimension), (row.flops / row.bytes, row.gigaflops), fontsize=7)
+            place = (row.flops / row.bytes, row.gigaflops)
+            axis.annotate(str(row.dimension), place, (4, -3), textcoords="offset points", fontsize=7)
+    axis.yaxis.set_major_formatter("{x:g}")
+    axis.xaxis.set_major_formatter("{x:g}")
     axis.set_xlabel("floating-point operations a byte (numbers: dimension)")
     axis.set_ylabel("10⁹ floating-point operations a second")
-    axis.legend(fontsize=8)
-    figure.savefig(path, dpi=120)
+    axis.legend(fontsize=7, loc="lower right")
+    figure.savefig(path, dpi=110, metadata={"Software": None})

@@ -9,6 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from evaluation.figures_of_chains import chains_figure
@@ -32,7 +33,9 @@ def diagnose_condition(condition: Mapping[str, Any], fits: Sequence[Fit]) -> tup
     """
     quantities = chain_quantities(fits, BURN_IN)
     table = pd.DataFrame([asdict(one) for one in diagnose(quantities)])
-    shown = {name: draws for name, draws in quantities.items() if not name.startswith(PAIR)}
+    table = table.astype(dict.fromkeys(table.columns.drop("quantity"), float))
+    # What is the same everywhere has no ranks.
+    shown = {name: draws for name, draws in quantities.items() if not name.startswith(PAIR) and np.ptp(draws) > 0}
     title = ", ".join(
         METHODS[str(value)].label if key == "method" else f"{key} {value}"
         for key, value in condition.items()
@@ -79,7 +82,9 @@ img {{ max-width: 100%; display: block; }}
 <body><h1>{title}</h1>
 <p>Each seed is a chain; the second half of its iterations counts. R-hat (rank-normalised, split) is near 1 where
 chains agree, and infinite where each stays at a value of its own; flat rank plots say the same. Where they do not
-agree, a last state is a mode of the posterior that a chain has found, not a summary of it.</p>
+agree, a last state is a mode of the posterior that a chain has found, not a summary of it. A quantity that never
+changes has no ranks and no figures (–). Conditions in which some words are omitted are missing: each of their seeds
+hears other words, and has a posterior of its own.</p>
 {sections}
 </body></html>
 """

@@ -27,8 +27,10 @@ class Diagnosis:
         mean: over all chains and draws.
         sd: standard deviation over all chains and draws.
         r_hat: rank-normalised split R-hat (Vehtari et al. 2021); about 1 where chains agree, infinite where each
-            stays at a value of its own. None where the quantity is the same everywhere, for then nothing can be said.
-        ess_bulk: effective sample size in the bulk; None as for R-hat, or where ArviZ finds none.
+            stays at a value of its own. None where the quantity is the same everywhere, or the chain the only one,
+            for then nothing can be said.
+        ess_bulk: effective sample size in the bulk; None where the quantity is the same everywhere, or where ArviZ
+            finds none.
         ess_tail: effective sample size in the tails, likewise.
     """
 
@@ -92,11 +94,11 @@ def _diagnose_one(name: str, draws: Floats) -> Diagnosis:
         return Diagnosis(name, mean, sd, None, None, None)
     arviz = _arviz()
     with np.errstate(divide="ignore", invalid="ignore"):
-        values = [float(arviz.rhat(draws)), *(float(arviz.ess(draws, method=part)) for part in ("bulk", "tail"))]
+        r_hat = float(arviz.rhat(draws)) if len(draws) > 1 else np.nan
+        bulk, tail = (float(arviz.ess(draws, method=part)) for part in ("bulk", "tail"))
     if np.all(np.ptp(draws, axis=1) <= smallest):
-        values[0] = np.inf
-    r_hat, bulk, tail = (None if np.isnan(value) else value for value in values)
-    return Diagnosis(name, mean, sd, r_hat, bulk, tail)
+        r_hat = np.inf
+    return Diagnosis(name, mean, sd, *(None if np.isnan(value) else value for value in (r_hat, bulk, tail)))
 
 
 def rank_counts(draws: Floats, bins: int = 20) -> NDArray[np.int64]:

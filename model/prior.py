@@ -55,6 +55,7 @@ class Prior:
         )
 
     def __post_init__(self) -> None:
+        low, high = self.box
         wrong = [
             f"{name} = {value} (must be {allowed})"
             for name, value, allowed, fine in (
@@ -65,6 +66,7 @@ class Prior:
                 ("scale", self.scale, "positive", 0 < self.scale < math.inf),
                 ("extra_freedom", self.extra_freedom, "more than -1", -1 < self.extra_freedom < math.inf),
                 ("word_concentration", self.word_concentration, "positive", 0 < self.word_concentration < math.inf),
+                ("box", self.box, "two finite numbers, the smaller first", -math.inf < low <= high < math.inf),
             )
             if not fine
         ]

@@ -33,6 +33,7 @@ def test_the_page_shows_every_condition(table: FeatureTable, tmp_path: Path) -> 
     for picture in re.findall(r"base64,([^\"]+)", page):
         assert base64.b64decode(picture).startswith(b"\x89PNG")
     assert "pairs of object in one category, the worst" in page
+    assert "None" not in page
     written = pd.read_csv(tmp_path / "chains.csv")
     assert set(written["D"]) == {12, 20}
     assert {"log_joint", "used_action", "frame_color"} <= set(written["quantity"])

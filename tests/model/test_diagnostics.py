@@ -55,6 +55,9 @@ def test_chains_that_agree_and_chains_that_do_not() -> None:
     stuck = diagnose({"stuck": np.repeat([[1.0], [1.0], [2.0], [2.0]], 500, axis=1)})[0]
     assert stuck.r_hat == np.inf
     assert (unknown.mean, unknown.r_hat, unknown.ess_bulk, unknown.ess_tail) == (1.0, None, None, None)
+    alone = diagnose({"alone": same[:1]})[0]
+    assert alone.r_hat is None
+    assert alone.ess_bulk == pytest.approx(500, rel=0.2)
 
 
 def test_rank_counts() -> None:

@@ -19,12 +19,16 @@ PRIORS = (Prior(categories=2, mean_strength=0.5, scale=0.5, extra_freedom=3.0, w
 
 
 @pytest.fixture
-def tiny() -> Trials:
-    """Three trials, four objects, sentences of two words, one and one, of a vocabulary of two."""
+def tiny(rule: str) -> Trials:
+    """Three trials, four objects, sentences of two words, one and one, of a vocabulary of two.
+
+    Without frames each channel has a sentence of its own, as the model says.
+    """
     trials = tiny_trials([2, 1, 1], [2, 1, 1], W=2)
     # Features that hardly tell the elements apart, so that the words do.
     channels = tuple(replace(channel, features=0.3 * channel.features) for channel in trials.channels)
-    return replace(trials, channels=channels, words=np.tile([0, 1, 0, 0], (2, 1)))
+    heard = [0, 1, 0, 0]
+    return replace(trials, channels=channels, words=np.array([heard, [1, 1, 0, 1] if rule == "every" else heard]))
 
 
 def frames(rule: str) -> list[tuple[int, ...]]:

@@ -153,8 +153,10 @@ def test_wrong_arrays_are_all_named() -> None:
         Trials.from_arrays(np.zeros((2, 1)), {"color": np.zeros((2, 1))}, [0, 1, 1], [0, 4], [[], []])
     with pytest.raises(ValueError, match=r"action are not all finite \(row 1\)"):
         Trials.from_arrays(np.array([[0.0], [np.nan]]), {"color": np.zeros((2, 1))}, [0, 1], [0, 0], [[], []])
-    with pytest.raises(ValueError, match=r"hyperparameters: mean = inf.*scale = 0.*extra_freedom = -1"):
-        Prior(mean=np.inf, scale=0, extra_freedom=-1)
+    with pytest.raises(
+        ValueError, match=r"hyperparameters: mean = inf.*scale = 0.*extra_freedom = -1.*box = \(1, 0\)"
+    ):
+        Prior(mean=np.inf, scale=0, extra_freedom=-1, box=(1, 0))
     with pytest.raises(ValueError, match="averaged_draws = 0"):
         Settings(averaged_draws=0)
 

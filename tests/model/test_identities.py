@@ -20,6 +20,8 @@ Case = tuple[Trials, Any, tuple[Prior, ...], State, np.random.Generator]
 
 @pytest.fixture
 def case(trials: Trials, rule: str, priors: tuple[Prior, ...], rng: np.random.Generator) -> Case:
+    if rule == "every":  # Each channel has a sentence of its own, as the model says.
+        trials = replace(trials, words=rng.integers(len(trials.vocabulary), size=trials.words.shape))
     return trials, rule, priors, draw_parameters(rng, trials, rule, priors), rng
 
 

@@ -99,33 +99,45 @@ def test_exact_draws_keep_their_distribution(rule: str, sampler: str, priors: Pr
     assert min(stats.ks_2samp(after[:, q], fresh[:, q]).pvalue for q in range(after.shape[1])) > 1e-5
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("sampler", "broken"), [("blocked", "φ with another κ0"), ("collapsed", "z too hot")])
-def test_a_broken_kernel_does_not_pass_the_joint_distribution_test(
-    rule: str, sampler: str, broken: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    expected = independent(rule, MOVING, sampler, 8000)
-    module, name, breaker = BROKEN[sampler][broken]
-    monkeypatch.setattr(module, name, breaker(getattr(module, name)))
-    error = expected.std(axis=0) / np.sqrt(len(expected))
-    off = distances(alternating(rule, MOVING, sampler, 8000), expected.mean(axis=0), error)
-    assert off.max() > LIMIT
-
-
 CONTROLS = [
-    pytest.param(method, sampler, name, marks=() if method == "no_mec2" else pytest.mark.slow)
+    (method, sampler, name)
     for method, rule in RULES.items()
     for sampler, kernels in BROKEN.items()
     for name in kernels
     if not (rule == "every" and name in ONLY_WITH_FRAMES)
 ]
+FAST = "no_mec2"
 
 
-@pytest.mark.parametrize(("method", "sampler", "broken"), CONTROLS)
-def test_a_broken_kernel_spoils_exact_draws(
-    method: str, sampler: str, broken: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def break_kernel(monkeypatch: pytest.MonkeyPatch, sampler: str, broken: str) -> None:
     module, name, breaker = BROKEN[sampler][broken]
     monkeypatch.setattr(module, name, breaker(getattr(module, name)))
-    changed = change(RULES[method], MOVING, sampler, 1000, steps=3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("method", "sampler", "broken"), CONTROLS)
+def test_a_broken_kernel_does_not_pass_the_joint_distribution_test(
+    method: str, sampler: str, broken: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = independent(RULES[method], MOVING, sampler, 5000)
+    break_kernel(monkeypatch, sampler, broken)
+    error = expected.std(axis=0) / np.sqrt(len(expected))
+    off = distances(alternating(RULES[method], MOVING, sampler, 5000), expected.mean(axis=0), error)
+    assert off.max() > LIMIT
+
+
+@pytest.mark.parametrize(
+    ("method", "sampler", "broken", "priors"),
+    [
+        pytest.param(*control, priors, id=f"{name}-{'-'.join(control)}", marks=() if fast else pytest.mark.slow)
+        for name, priors in (("moving", MOVING), ("paper", PAPER))
+        for control in CONTROLS
+        for fast in [priors is MOVING and control[0] == FAST]
+    ],
+)
+def test_a_broken_kernel_spoils_exact_draws(
+    method: str, sampler: str, broken: str, priors: Priors, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    break_kernel(monkeypatch, sampler, broken)
+    changed = change(RULES[method], priors, sampler, 1000, steps=3)
     assert distances(changed, np.zeros(changed.shape[2])).max() > LIMIT

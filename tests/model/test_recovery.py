@@ -2,64 +2,85 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from sklearn.metrics import adjusted_rand_score
 
-from model import Trials, fit
-from model.data import Ints
+from model import METHODS, Trials, fit
+from model.data import Floats, Ints
 
-WORDS = [[f"{channel}{k}" for k in range(3)] for channel in ("action", "position", "object", "color")]
-DIMENSIONS = (6, 2, 8, 4)
+# Action, position, object, color; and five channels.
+FOUR, FIVE = (6, 2, 8, 4), (3, 5, 2, 7, 4)
+DEVIATION = 0.05
 
 
-def separated(rng: np.random.Generator, D: int) -> tuple[Trials, list[Ints], Ints]:
-    """D trials of four words, the true categories of each channel and the true channel of each word.
+def separated(rng: np.random.Generator, D: int, dimensions: tuple[int, ...]) -> tuple[Trials, list[Ints], Ints]:
+    """D trials of one word a channel, the true categories of each channel and the true channel of each word.
 
-    Three balanced categories a channel, their means at least six standard deviations apart.
+    Three balanced categories a channel, their means six standard deviations apart.
     """
     count = rng.integers(1, 4, size=D)
     owner = np.repeat(np.arange(D), count)
-    attended = np.array([rng.integers(m) for m in count])
+    attended = rng.integers(count)
     speaker = np.cumsum(count) - count + attended
     labels, features = [], []
-    for c, dim in enumerate(DIMENSIONS):
+    for c, dim in enumerate(dimensions):
         size = D if c == 0 else len(owner)
         labels.append(rng.permutation(np.arange(size) % 3))
-        deviation = 0.05
-        centres = np.zeros((3, dim))
         # Corners of an equilateral triangle in a random plane through the middle of the unit cube.
         angle = rng.uniform(0, 2 * np.pi) + 2 * np.pi * np.arange(3) / 3
         basis, _ = np.linalg.qr(rng.normal(size=(dim, 2)))
-        centres += 0.5 + 8 * deviation / np.sqrt(3) * np.stack([np.cos(angle), np.sin(angle)], axis=1) @ basis.T
-        features.append(centres[labels[-1]] + deviation * rng.normal(size=(size, dim)))
-    sentences, frames = [], []
-    for d in range(D):
-        order = rng.permutation(4)
-        spoken = [labels[0][d], *(labels[c][speaker[d]] for c in (1, 2, 3))]
-        sentences.append([WORDS[c][spoken[c]] for c in order])
-        frames.append(order)
-    objects = dict(zip(("position", "object", "color"), features[1:], strict=True))
+        corners = 6 * DEVIATION / np.sqrt(3) * np.stack([np.cos(angle), np.sin(angle)], axis=1) @ basis.T
+        features.append(0.5 + corners[labels[-1]] + DEVIATION * rng.normal(size=(size, dim)))
+    spoken = np.stack([labels[0], *(label[speaker] for label in labels[1:])], axis=1)
+    frames = [rng.permutation(len(dimensions)) for _ in range(D)]
+    sentences = [[f"word {c} {spoken[d, c]}" for c in frames[d]] for d in range(D)]
+    objects = {f"channel {c}": features[c] for c in range(1, len(dimensions))}
     return Trials.from_arrays(features[0], objects, owner, attended, sentences), labels, np.concatenate(frames)
 
 
+def found(method: str, seed: int, dimensions: tuple[int, ...], chains: int = 1) -> tuple[float, Floats]:
+    """EAR, which is 1 where there are no frames, and each channel's ARI, by the collapsed sampler."""
+    trials, labels, frames = separated(np.random.default_rng(seed), 60, dimensions)
+    state = fit(trials, method, np.random.default_rng(seed), inference="collapsed", chains=chains).state
+    rate = np.mean(state.F == frames) if METHODS[method].has_frames else 1.0
+    return float(rate), np.array([adjusted_rand_score(true, z) for true, z in zip(labels, state.z, strict=True)])
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["proposed", "no_mec2"])
-def test_categories_and_frames_are_recovered(method: str) -> None:
-    rates, indices = [], []
-    for seed in range(20):
-        trials, labels, frames = separated(np.random.default_rng(seed), D=60)
-        state = fit(trials, method, np.random.default_rng(seed), inference="collapsed", chains=2).state
-        rates.append(np.mean(state.F == frames))
-        indices.append([adjusted_rand_score(true, z) for true, z in zip(labels, state.z, strict=True)])
+@pytest.mark.parametrize("dimensions", [FOUR, FIVE], ids=["four", "five"])
+@pytest.mark.parametrize("method", ["proposed", "no_mec2", "mmlda"])
+def test_categories_and_frames_are_recovered(
+    method: str, dimensions: tuple[int, ...], record_property: Callable[[str, object], None]
+) -> None:
+    rates, indices = zip(*(found(method, seed, dimensions) for seed in range(20)), strict=True)
+    by_channel = np.mean(indices, axis=0)
+    record_property("mean EAR and ARI", f"{np.mean(rates):.3f}, {by_channel.round(3).tolist()}")
     assert np.mean(rates) >= 0.95
-    assert np.all(np.mean(indices, axis=0) >= 0.95)
+    assert by_channel.mean() >= 0.95
+    assert by_channel.min() >= 0.9
 
 
-def test_one_easy_data_set_is_recovered() -> None:
-    trials, labels, frames = separated(np.random.default_rng(101), D=60)
-    state = fit(trials, "proposed", np.random.default_rng(0), inference="collapsed", chains=2).state
-    assert np.mean(state.F == frames) >= 0.95
-    assert all(adjusted_rand_score(true, z) >= 0.95 for true, z in zip(labels, state.z, strict=True))
-    scrambled = np.random.default_rng(1).permutation(state.F)
-    assert np.mean(scrambled == frames) < 0.5
+@pytest.mark.parametrize("dimensions", [FOUR, FIVE], ids=["four", "five"])
+def test_one_easy_data_set_is_recovered(dimensions: tuple[int, ...]) -> None:
+    """With a fifth channel and other dimensions as with the paper's four: nothing in the model counts them.
+
+    One chain can settle in a mode where two categories share one label; of four hardly all do.
+    """
+    rate, indices = found("proposed", 101, dimensions, chains=4)
+    assert rate >= 0.95
+    assert len(indices) == len(dimensions)
+    assert indices.mean() >= 0.95
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_blocked_sampler_takes_five_channels(method: str) -> None:
+    trials, labels, frames = separated(np.random.default_rng(101), 60, FIVE)
+    state = fit(trials, method, np.random.default_rng(1)).state
+    assert [mean.shape for mean in state.mean] == [(10, dim) for dim in FIVE]
+    assert np.mean([adjusted_rand_score(true, z) for true, z in zip(labels, state.z, strict=True)]) > 0.7
+    if METHODS[method].has_frames:
+        assert np.mean(state.F == frames) > 0.8
+        assert set(state.F) == set(range(5))
