@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from data_collection.settings import Simulation
@@ -111,6 +112,8 @@ def data_problems(study: Study, name: str) -> Iterator[str]:
         except ValueError as error:
             yield from (f"{where}.feature_extraction: {line}" for line in str(error).splitlines())
         weights = study.weights_file(name)
+        if weights is not None:
+            yield from _braces(f"{where}.feature_extraction.weights", weights)
         if weights is not None and not weights.is_file():
             yield f"{where}.feature_extraction.weights: {weights} is not a file (nor seeded, nor imagenet1k)"
     if experiment.source == "simulation":
@@ -126,9 +129,15 @@ def data_problems(study: Study, name: str) -> Iterator[str]:
         yield from _table_problems(study, experiment)
 
 
+def _braces(where: str, path: Path) -> Iterator[str]:
+    if set("{}") & set(str(path)):
+        yield f"{where}: {path} has {{ or }} in it, which Snakemake would fill in (rename the file or its folder)"
+
+
 def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
     where = key_path(["experiments", experiment.name, "logs"])
     folder = study.log_folder(experiment.name)
+    yield from _braces(where, folder)
     if not (folder / "calibration.mcap").is_file():
         yield f"{where}: {folder / 'calibration.mcap'} is not a file (the log of the camera's calibration)"
     count = len(log_folder_trials(folder, "train"))
@@ -151,6 +160,8 @@ def _problems_of_set(study: Study, experiment: Experiment, set_name: str) -> Ite
 
     where = key_path(["experiments", experiment.name, "features", *([] if set_name == "train" else [set_name])])
     paths = feature_files(study, experiment.name, set_name)
+    for key, path in paths.items():
+        yield from _braces(f"{where}.{key}", path)
     missing = [f"{where}.{key}: {path} is not a file" for key, path in paths.items() if not path.is_file()]
     if missing:
         yield from missing

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from data_collection.limits import MAX_CONFIG_BYTES, MAX_CONFIG_VALUES, MAX_FITS
 from features.files import replacing
 from workflow.config import SCHEMAS
 
@@ -22,6 +23,9 @@ Generated from [`workflow/schemas/`](../workflow/schemas/) by `make docs`. Do no
 A config is one YAML file. Any other key, and any value outside of what is allowed, is refused by name before anything
 runs. Nothing may stand twice in a list of conditions (`D`, `ROW`, `methods`, …). Worked examples stand in
 [conditions](conditions.md).
+
+The file is read as data: no tags, no aliases, at most {bytes:,} bytes and {values:,} values. An experiment has at
+most {fits:,} fits and parts of a simulation.
 """
 
 
@@ -29,7 +33,7 @@ def reference() -> str:
     """The whole page as Markdown: a section for each mapping of the config, a row for each key."""
     schemas = {path.name: json.loads(path.read_text(encoding="utf-8")) for path in SCHEMAS.glob("*.schema.json")}
     whole = _follow(schemas[TOP], TOP, schemas)
-    lines = [HEAD]
+    lines = [HEAD.format(bytes=MAX_CONFIG_BYTES, values=MAX_CONFIG_VALUES, fits=MAX_FITS)]
     for path, schema in _sections("", whole):
         lines += _section(path, schema, whole["properties"] if path else {})
     return "\n".join(lines)

@@ -11,7 +11,9 @@ from typing import Any
 import pytest
 import yaml
 
+from data_collection import limits
 from data_collection.__main__ import main as data_collection
+from data_collection.channels import BY_TOPIC, HAND_POSE, JOINT_STATES
 from features.transforms import _principal_components
 from tests.docs.conditions import SMOKE, patched
 from tests.docs.pages import ROOT, Block, blocks, matches
@@ -50,6 +52,10 @@ def key_twice(tmp_path: Path) -> str:
     return refused(config)
 
 
+def no_word(tmp_path: Path) -> str:
+    return refused(write_own_study(tmp_path, words={**WORDS, "color": ["=1+1", *WORDS["color"]]}))
+
+
 def never_said(tmp_path: Path) -> str:
     return changed(tmp_path, words={**WORDS, "action": ["reach", "touch", "grasp", "watch"]})
 
@@ -84,6 +90,7 @@ QUICK: Mapping[str, Callable[[Path], str]] = {
     "Unknown key": unknown_key,
     "Value out of range": out_of_range,
     "Key twice": key_twice,
+    "Word or name refused": no_word,
     "Word that is never said": never_said,
     "Word in two channels": two_channels,
     "Logs not found": no_logs,
@@ -148,3 +155,25 @@ def test_objects_not_found(repository: Path, in_repository: Callable[..., str]) 
     (repository / "config" / "changed.yaml").write_text(yaml.safe_dump(config), encoding="utf-8")
     run = ["-m", "workflow", "run", "--config", "config/changed.yaml", "--out", "results", "--cores", "1"]
     show(SHOWN["Objects not found"], in_repository(sys.executable, *run, succeeds=False))
+
+
+def test_the_limits_that_pages_name_are_those_of_the_readers() -> None:
+    shown = {
+        "own_features.md": (
+            f"{limits.MAX_TABLE_ROWS:,} rows",
+            f"{limits.MAX_TABLE_VALUES:,} numbers",
+            f"{limits.MAX_TABLE_BYTES / 2**30:g} GiB",
+            f"{limits.MAX_VECTOR_LENGTH:,} numbers, none beyond ±{limits.MAX_NUMBER:.0e}".replace("e+0", "e"),
+        ),
+        "logs.md": (
+            f"{limits.MAX_LOG_BYTES / 2**20:g} MiB",
+            f"{limits.MAX_MESSAGES:,} messages",
+            f"{limits.MAX_PIXELS:,} pixels and {limits.MAX_IMAGE_BYTES / 2**20:g} MiB",
+            f"at most {limits.MAX_MESSAGE_BYTES / 2**20:g} MiB",
+            f"±{BY_TOPIC[JOINT_STATES].highest:g} rad",
+            f"±{BY_TOPIC[HAND_POSE].highest:g} m",
+        ),
+    }
+    for page, texts in shown.items():
+        content = (ROOT / "docs" / page).read_text(encoding="utf-8")
+        assert [text for text in texts if text not in content] == [], page

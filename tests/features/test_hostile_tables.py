@@ -234,7 +234,7 @@ def flat(name: str, values: Any, rows: int) -> Any:
         key: pa.repeat(pa.scalar(value, arrow(valid()["trials"], "trials")[key].type), rows)
         for key, value in one.items()
     }
-    return pa.table(arrays | ({name: values} if name else {}))
+    return pa.table(arrays | {name: values})
 
 
 LONG = "x" * 10**6
@@ -257,7 +257,7 @@ BOMBS = {
         lambda: flat("other", pa.DictionaryArray.from_arrays(np.zeros(20_000, np.int32), [LONG]), 20_000),
         "unknown column 'other'",
     ),
-    "three million rows": (lambda: flat("", None, 3_000_000).select(["trial"]), "holds 3,000,000 rows"),
+    "three million rows": (lambda: pa.table({"trial": pa.repeat(7, 3_000_000)}), "holds 3,000,000 rows"),
     "three million words in a row": (
         lambda: flat("words", pa.ListArray.from_arrays([0, 3_000_000], pa.repeat("x", 3_000_000)), 1),
         "3,000,000 texts",

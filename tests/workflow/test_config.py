@@ -282,6 +282,21 @@ def test_paths_that_are_none(key: str, path: str) -> None:
     assert any(f"{key}: " in problem for problem in problems), problems
 
 
+@pytest.mark.bad_input
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"features": {"trials": "{wildcard}.parquet", "objects": "b"}},
+        {"features": {"trials": "a", "objects": "{experiment}/b"}},
+        {"logs": "logs {x}"},
+        {"feature_extraction": {"weights": "}.pt"}},
+    ],
+    ids=str,
+)
+def test_paths_that_snakemake_would_fill_in(change: dict[str, Any]) -> None:
+    assert any("has { or } in it" in problem for problem in problems_of(minimal(**change)))
+
+
 @pytest.mark.parametrize(
     "word",
     [
