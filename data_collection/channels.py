@@ -317,7 +317,7 @@ CHANNELS: tuple[Channel, ...] = (
         ROOT_FRAME,
         _NONE,
         _BOTH,
-        "poses of the objects before and after",
+        "poses of the objects with each joint state",
         lowest=-_REACH,
         highest=_REACH,
     ),

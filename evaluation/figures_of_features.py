@@ -31,7 +31,7 @@ def features_overview(seen: Overview, images: Sequence[Image], title: str) -> Fi
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(PAGE_WIDTH, 11.0), layout="constrained")
         figure.suptitle(f"What the robot sees and feels\n{title}")
-        rows: Any = figure.subfigures(5, 1, height_ratios=(2.6, 2.3, 1.6, 3.3, 2.2))
+        rows: Any = figure.subfigures(5, 1, height_ratios=(3.3, 2.1, 1.5, 3.2, 2.1))
         _detections(rows[0], seen, images)
         _crops(rows[1], seen)
         _colors(rows[2], seen)

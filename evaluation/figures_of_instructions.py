@@ -74,9 +74,9 @@ def uncertain_figure(answered: pd.DataFrame, title: str) -> Figure:
     methods = [method for method in METHODS if method in set(answered["method"])]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(PAGE_WIDTH, 6.6), layout="constrained")
-        above, below = figure.subfigures(2, 1, height_ratios=(1.0, 1.4))
-        entropy, outvoted = above.subplots(1, 2)
-        rates = below.subplots()
+        parts: Any = figure.subfigures(2, 1, height_ratios=(1.0, 1.4))
+        entropy, outvoted = parts[0].subplots(1, 2)
+        rates = parts[1].subplots()
         _entropy(entropy, answered, methods)
         _rates(rates, answered, methods, "OAR_fit", "chance_fit")
         rates.set_xlabel("OAR among the objects that fit")
@@ -84,7 +84,7 @@ def uncertain_figure(answered: pd.DataFrame, title: str) -> Figure:
         outvoted.set_xlabel("wrong word outvoted:\nthe instructed object is chosen")
         marks = [axes.get_legend_handles_labels() for axes in (entropy, rates)]
         legend = {label: handle for handles, labels in marks for handle, label in zip(handles, labels, strict=True)}
-        below.legend(
+        parts[1].legend(
             list(legend.values()), list(legend), loc="outside lower center", ncols=len(legend), frameon=False
         )
         figure.suptitle(f"Uncertain instructions\n{title}")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from data_collection import channels
+from data_collection import channels, codec
 from data_collection.mcap_log import Log, LogError, read_log, write_log
 from features.arrays import ArtifactError
 from features.percepts import DetectionError, Percepts, first, join, load_percepts, perceive, save_percepts
@@ -204,6 +204,16 @@ def test_a_corrupt_image_in_a_log_is_refused_by_name(logs: Any, tmp_path: Path) 
     path.write_bytes(content)
     with pytest.raises(LogError, match=r"trial_0001\.mcap"):
         perceive((read_log(p) for p in [path]), logs.calibration(), SETTINGS)
+
+
+def test_an_image_that_is_no_image_is_refused_by_name(
+    logs: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The log itself is sound: it was written with a picture that somebody's recorder had spoilt."""
+    monkeypatch.setattr(codec, "encode_png", lambda image: b"\x89PNG and no more")
+    write_log(tmp_path / "trial_0001.mcap", logs.trials(1)[0])
+    with pytest.raises(LogError, match=r"trial_0001\.mcap: /camera/before/compressed at 0 ns cannot be decoded"):
+        read_log(tmp_path / "trial_0001.mcap")
 
 
 def test_an_image_of_another_size_is_refused(logs: Any) -> None:
