@@ -51,10 +51,12 @@ def draw_roofline(kernels: pd.DataFrame, machine: Machine, path: Path) -> None:
     roof = f"one core: {machine.peak / 1e9:.0f} · 10⁹ operations, {machine.bandwidth / 1e9:.0f} GB a second"
     axis.loglog(intensity, np.minimum(machine.peak, intensity * machine.bandwidth) / 1e9, "k-", label=roof)
     for name, rows in kernels.groupby("kernel"):
-        axis.loglog(rows.flops / rows.bytes, rows.gigaflops, "o-", linewidth=0.5, markersize=4, label=name)
+        (line,) = axis.loglog(rows.flops / rows.bytes, rows.gigaflops, "o-", linewidth=0.5, markersize=4, label=name)
         for _, row in rows.iterrows():
             place = (row.flops / row.bytes, row.gigaflops)
-            axis.annotate(str(row.dimension), place, (4, -3), textcoords="offset points", fontsize=7)
+            axis.annotate(
+                str(row.dimension), place, (4, -3), textcoords="offset points", fontsize=6, color=line.get_color()
+            )
     axis.yaxis.set_major_formatter("{x:g}")
     axis.xaxis.set_major_formatter("{x:g}")
     axis.set_xlabel("floating-point operations a byte (numbers: dimension)")

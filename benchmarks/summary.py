@@ -30,7 +30,8 @@ D = {D}, dimensions {dimensions}, K = {K}, {iterations} iterations; the fastest 
 
 ## Growth
 
-p is the exponent of t ∝ sizeᵖ between the two largest sizes; 1 is linear.
+p is the exponent of t ∝ sizeᵖ between the two largest sizes; 1 is linear. Method (A) weighs all C!/(C−N)! frames of
+N words over C channels, here with N up to 4.
 
 {growth}
 ![Growth](scaling.png)
