@@ -13,7 +13,6 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from signal import Signals
-from subprocess import CalledProcessError
 from typing import Any
 
 from workflow import forks
@@ -211,7 +210,7 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
                 f"rule {script.rulename} was ended by {Signals(-status).name}\n(more in {script.log[0]})\n"
             )
         if status != 0:
-            raise CalledProcessError(status, script.path.get_filename())
+            raise JobError(script.rulename)
 
     def handler(manager: Any) -> logging.Handler:
         made: logging.Handler = make_handler(manager)
@@ -235,6 +234,10 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
         yield
 
 
+class JobError(Exception):
+    """A job has failed, and has told why."""
+
+
 class _Calm(logging.Filter):
     """Keeps off the screen what Snakemake tells of each job: its own log, in OUT/.snakemake/log, has all of it.
 
@@ -249,7 +252,7 @@ class _Calm(logging.Filter):
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether a record is shown."""
         if record.levelno >= logging.WARNING:
-            return getattr(record, "exception", "") != "RuleException" and getattr(record, "event", "") != "job_error"
+            return getattr(record, "event", "") != "job_error" and JobError.__name__ not in record.getMessage()
         return not self.running and not record.getMessage().startswith(CHATTER)
 
 
