@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from workflow.keys import by_role, job_key, output_key
-from workflow.provenance import ROOT, code_hash, lock_hash
+from workflow.provenance import ROOT, code_hash, code_is_unchanged, lock_hash
 
 SCRIPTS = ROOT / "workflow" / "scripts"
 
@@ -60,11 +60,11 @@ class Hooks:
 
     Attributes:
         decide: the jobs of a plan that must run, by their place in it.
-        finished: told of each job that has succeeded.
+        finished: told of each job that has succeeded, and whether its code is still that of the plan.
     """
 
     decide: Callable[[Plan], Collection[int]]
-    finished: Callable[[Job], None] = lambda job: None
+    finished: Callable[[Job, bool], None] = lambda job, same_code: None
 
 
 def run(arguments: Sequence[str], hooks: Hooks) -> int:
@@ -165,7 +165,7 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
         if not (dag.workflow.dryrun or dag.workflow.touch):
             for each in job if job.is_group() else [job]:
                 if not each.is_norun:
-                    hooks.finished(_job(dag, each))
+                    hooks.finished(_job(dag, each), code_is_unchanged(_script(each)))
         return result
 
     DAG.update_needrun, DAG.finish = decided, finished
@@ -173,6 +173,10 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
         yield
     finally:
         DAG.update_needrun, DAG.finish = update_needrun, finish
+
+
+def _script(job: Any) -> Path:
+    return SCRIPTS / Path(job.rule.script).name
 
 
 def _name(job: Any) -> tuple[str, str]:
@@ -188,7 +192,7 @@ def _job(dag: Any, job: Any) -> Job:
     rule = job.rule.name
     if not job.rule.script:
         raise ValueError(f"rule {rule} has no script: what it does would not be part of its key")
-    script = SCRIPTS / Path(job.rule.script).name
+    script = _script(job)
     parameters = by_role(job.params)
     if parameters.get("code") != code_hash(script) + lock_hash():
         raise ValueError(f"rule {rule}: its parameter code must be tracked({script.name!r}), the script that it runs")

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import fcntl
 import logging
 import os
 import shutil
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 from workflow import dag
@@ -17,6 +15,7 @@ from workflow.keeping import Keeper
 from workflow.manifest import write_manifest
 from workflow.provenance import ROOT
 from workflow.store import Store
+from workflow.turns import turn_of_run
 
 FAILED, BUSY = 1, 3
 LEAST_ROOM = 2**18  # bytes; without them Snakemake cannot even write its notes
@@ -38,17 +37,19 @@ def run(config: Path, out: Path, cores: int, more: Sequence[str], store: Store) 
     out = out.resolve()
     out.mkdir(parents=True, exist_ok=True)
     _show_warnings()
-    with _held(out / ".running") as held:
-        if not held:
+    if _is_full(out):
+        return FAILED
+    with turn_of_run(out) as alone:
+        if not alone:
             sys.stderr.write(f"{out}: another study is running in this folder; wait for it, or name another --out\n")
             return BUSY
         _remove_parts(out)
-        if _is_full(out):
-            return FAILED
         config = keep_config(config, out)
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
         keeper = Keeper(out, store)
         status = dag.run([*dag.command_line(config, out, cores), *more], dag.Hooks(keeper.decide, keeper.finished))
+        if not keeper.complete:
+            status = FAILED
         if status == 0 and keeper.artifacts is not None:
             try:
                 write_manifest(out, keeper.artifacts)
@@ -86,24 +87,9 @@ def _show_warnings() -> None:
 
 
 def _remove_parts(out: Path) -> None:
-    """Remove what a killed run was about to write, which carries a temporary name.
-
-    Its last jobs may still live: without their temporary files they fail, rather than write beside the new ones.
-    """
+    """Remove what a killed run was about to write, which carries a temporary name."""
     for part in list(out.rglob(".*.part")):
         if part.is_dir():
             shutil.rmtree(part, ignore_errors=True)
         else:
             part.unlink(missing_ok=True)
-
-
-@contextmanager
-def _held(path: Path) -> Iterator[bool]:
-    """Lock a file for as long as the block lasts, or this process lives; whether nobody else had it."""
-    with path.open("a") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            yield False
-        else:
-            yield True

@@ -58,7 +58,7 @@ def test_a_kill_at_every_step(
         shutil.copytree(tmp_path / "template", place)
 
     known = [undisturbed, files(tmp_path / "template" / "out")]
-    tried, lost = 0, []
+    tried, lost = 0, list[str]()
     begin()
     for step in killed_at_each_step(lambda: tiny.run(place / "out", Store(place / "cache")), place):
         tried += 1
@@ -89,7 +89,7 @@ def test_an_output_disk_that_is_full_at_every_page(
     kind: str,
 ) -> None:
     """A disk of one page, of two, and so on until the study fits: that is said, and a run goes on from there."""
-    monkeypatch.setattr(runner, "LEAST_ROOM", 2**13)
+    monkeypatch.setattr(runner, "LEAST_ROOM", 3 * 2**12)
     tried, survived, status = 0, 0, 1
     while status != 0:
         tried += 1
