@@ -17,7 +17,7 @@ from typing import Any
 
 from workflow import forks
 from workflow.keys import by_role, job_key, output_key
-from workflow.provenance import ROOT, code_hash, lock_hash
+from workflow.provenance import ROOT, code_hash, code_is_unchanged, lock_hash
 
 SCRIPTS = ROOT / "workflow" / "scripts"
 PROFILES = ROOT / "workflow" / "profiles"
@@ -75,11 +75,11 @@ class Hooks:
 
     Attributes:
         decide: the jobs of a plan that must run, by their place in it.
-        finished: told of each job that has succeeded.
+        finished: told of each job that has succeeded, and whether its code is still that of the plan.
     """
 
     decide: Callable[[Plan], Collection[int]]
-    finished: Callable[[Job], None] = lambda job: None
+    finished: Callable[[Job, bool], None] = lambda job, same_code: None
 
 
 def run(arguments: Sequence[str], hooks: Hooks) -> int:
@@ -200,7 +200,7 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
         if not (dag.workflow.dryrun or dag.workflow.touch):
             for each in job if job.is_group() else [job]:
                 if not each.is_norun:
-                    hooks.finished(_job(dag, each))
+                    hooks.finished(_job(dag, each), code_is_unchanged(_script(each)))
         return result
 
     def execute(script: Any, fname: str, edit: bool = False) -> None:

@@ -19,6 +19,7 @@ from typing import Any
 
 from workflow.keys import by_role
 from workflow.records import FULL, DamagedError, record_path, records_of_job, verified_inputs, write_record
+from workflow.turns import turn_of_job
 
 OUT = Path()  # Snakemake runs jobs in the output folder
 CLEAR = "\r\033[K"  # empties the line of a terminal, on which a run shows its progress
@@ -55,7 +56,7 @@ def job(snakemake: Any) -> Iterator[None]:
         logging.getLogger().addHandler(to_screen)
         logging.captureWarnings(capture=True)
         try:
-            with recorded(snakemake):
+            with turn_of_job(OUT), recorded(snakemake):
                 yield
         except Exception as error:
             print(

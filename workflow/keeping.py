@@ -21,10 +21,12 @@ class Keeper:
 
     Attributes:
         artifacts: the keys of all artifacts of a study by path; None before it was planned for real and as a whole.
+        complete: no artifact was removed because its code changed.
     """
 
     def __init__(self, out: Path, store: Store) -> None:
         self.artifacts: dict[str, str] | None = None
+        self.complete = True
         self._out = out
         self._store = store
         self._keys: dict[str, str] = {}  # of jobs, by each output's path
@@ -70,8 +72,14 @@ class Keeper:
                 (self._out / MANIFEST).unlink(missing_ok=True)  # it speaks of another state
         return needed
 
-    def finished(self, job: Job) -> None:
-        """Put what a job has made into the store."""
+    def finished(self, job: Job, same_code: bool = True) -> None:
+        """Put what a job has made into the store; remove it if its code is no longer that of the plan."""
+        if not same_code:
+            self.complete = False
+            _say(f"the code of rule {job.rule} changed while the study ran: what it made is removed; run again")
+            for path in job.outputs.values():
+                remove(self._out, path)
+            return
         records = {path: read_record(self._out, path) for path in job.outputs.values()}
         as_planned = {
             path: record

@@ -13,10 +13,22 @@ ROOT = Path(__file__).resolve().parent.parent
 
 @cache
 def code_hash(script: Path) -> str:
-    """sha256 over a script and every project module that it imports, directly or not.
+    """sha256 over a script and every project module that it imports, directly or not; found once a process.
 
     The files are found by reading the import statements, so that no list has to be kept.
     """
+    return _digest(script)
+
+
+def code_is_unchanged(script: Path) -> bool:
+    """Whether the files of a script are still what `code_hash` found."""
+    try:
+        return _digest(script) == code_hash(script)
+    except OSError:
+        return False
+
+
+def _digest(script: Path) -> str:
     digest = hashlib.sha256()
     for path in sorted(imported_files(script)):
         digest.update(f"{path.relative_to(ROOT).as_posix()}\0".encode())

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import fcntl
 import logging
 import os
 import shutil
 import sys
 import time
-from collections.abc import Collection, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Collection, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from workflow import dag
@@ -20,6 +19,7 @@ from workflow.manifest import write_manifest
 from workflow.progress import Progress
 from workflow.provenance import ROOT
 from workflow.store import Store
+from workflow.turns import turn_of_run
 
 FAILED, BUSY = 1, 3
 LEAST_ROOM = 2**18  # bytes; without them Snakemake cannot even write its notes
@@ -43,13 +43,13 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
     out = out.resolve()
     out.mkdir(parents=True, exist_ok=True)
     _show_warnings()
-    with _held(out / ".running") as held:
-        if not held:
+    if _is_full(out):
+        return FAILED
+    with turn_of_run(out) as alone:
+        if not alone:
             sys.stderr.write(f"{out}: another study is running in this folder; wait for it, or name another --out\n")
             return BUSY
         _remove_parts(out)
-        if _is_full(out):
-            return FAILED
         config = keep_config(config, out)
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
         began = time.monotonic()
@@ -62,6 +62,8 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
                 (out / "joblogs" / "workflow.log").write_text(
                     time_line(0.0, time.monotonic() - began), encoding="utf-8"
                 )
+        if not keeper.complete:
+            status = FAILED
         if status == 0 and keeper.artifacts is not None:
             try:
                 write_manifest(out, keeper.artifacts)
@@ -89,8 +91,8 @@ def _hooks(out: Path, keeper: Keeper, progress: Progress) -> dag.Hooks:
             progress.begin(plan.jobs[i].stage for i in needed)
         return needed
 
-    def finished(job: dag.Job) -> None:
-        keeper.finished(job)
+    def finished(job: dag.Job, same_code: bool) -> None:
+        keeper.finished(job, same_code)
         took = time_of(out / job.log)
         progress.finished(job.stage, took["wall"] if took else 1.0)
 
@@ -119,24 +121,9 @@ def _show_warnings() -> None:
 
 
 def _remove_parts(out: Path) -> None:
-    """Remove what a killed run was about to write, which carries a temporary name.
-
-    Its last jobs may still live: without their temporary files they fail, rather than write beside the new ones.
-    """
+    """Remove what a killed run was about to write, which carries a temporary name."""
     for part in list(out.rglob(".*.part")):
         if part.is_dir():
             shutil.rmtree(part, ignore_errors=True)
         else:
             part.unlink(missing_ok=True)
-
-
-@contextmanager
-def _held(path: Path) -> Iterator[bool]:
-    """Lock a file for as long as the block lasts, or this process lives; whether nobody else had it."""
-    with path.open("a") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            yield False
-        else:
-            yield True

@@ -32,11 +32,18 @@ def run(config: Path, out: Path, *more: str, succeeds: bool = True, cache: Path 
     return printed
 
 
-def start(config: Path, out: Path, *more: str, cache: Path | None = None, root: Path = ROOT) -> subprocess.Popen[str]:
-    """Start a study in a process group of its own."""
+def start(
+    config: Path,
+    out: Path,
+    *more: str,
+    cache: Path | None = None,
+    root: Path = ROOT,
+    output: int = subprocess.PIPE,
+) -> subprocess.Popen[str]:
+    """Start a study, of the clone at `root`, in a process group of its own."""
     line = command(config, out, *more, cache=cache)
     return subprocess.Popen(
-        line, cwd=root, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
+        line, cwd=root, stdout=output, stderr=subprocess.STDOUT, text=True, start_new_session=True
     )
 
 

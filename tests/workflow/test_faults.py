@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -16,8 +18,10 @@ from tests.workflow.tiny import files, given, plan
 from workflow import runner
 from workflow.dag import Job
 from workflow.job import recorded
+from workflow.provenance import ROOT
 from workflow.records import DamagedError
 from workflow.store import Store
+from workflow.turns import turn_of_job, turn_of_run
 
 Record = Callable[[str, object], None]
 
@@ -58,7 +62,7 @@ def test_a_kill_at_every_step(
         shutil.copytree(tmp_path / "template", place)
 
     known = [undisturbed, files(tmp_path / "template" / "out")]
-    tried, lost = 0, []
+    tried, lost = 0, dict[str, str]()
     begin()
     for step in killed_at_each_step(lambda: tiny.run(place / "out", Store(place / "cache")), place):
         tried += 1
@@ -68,14 +72,15 @@ def test_a_kill_at_every_step(
             if all(content != those.get(path) for those in known)
         ]
         status = tiny.run(place / "out", Store(place / "cache"))
-        other = tiny.run(place / "other", Store(place / "cache"), after=lambda rule: lost.append(f"{rule} ran again"))
+        again: list[str] = []
+        other = tiny.run(place / "other", Store(place / "cache"), after=again.append)
         same = [files(place / name) == undisturbed for name in ("out", "other")]
-        if half or (status, other) != (0, 0) or not all(same) or list(place.glob("*/**/*.part")):
-            lost.append(f"{step}: half {half}, status {status} and {other}, same bytes {same}")
+        if half or again or (status, other) != (0, 0) or not all(same) or list(place.glob("*/**/*.part")):
+            lost[step] = f"half {half}, status {status} and {other}, same bytes {same}, made again {again}"
         begin()
     record_property("kills survived", f"{tried - len(lost)} of {tried}")
     assert tried > 50
-    assert lost == []
+    assert lost == {}
     assert "damaged" not in caplog.text
 
 
@@ -89,7 +94,7 @@ def test_an_output_disk_that_is_full_at_every_page(
     kind: str,
 ) -> None:
     """A disk of one page, of two, and so on until the study fits: that is said, and a run goes on from there."""
-    monkeypatch.setattr(runner, "LEAST_ROOM", 2**13)
+    monkeypatch.setattr(runner, "LEAST_ROOM", 3 * 2**12)
     tried, survived, status = 0, 0, 1
     while status != 0:
         tried += 1
@@ -199,6 +204,35 @@ def test_a_file_from_elsewhere_that_changes_between_two_jobs(
     assert tiny.run(tmp_path / "back", store, jobs) == 0
     assert b"one" in (tmp_path / "back" / "fits" / "1.npz").read_bytes()
     assert b"two" not in (tmp_path / "back" / "fits" / "1.npz").read_bytes()
+
+
+def test_a_run_waits_for_the_jobs_of_a_killed_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    job = (
+        "import sys, time, pathlib, workflow.turns as turns\n"
+        "out = pathlib.Path(sys.argv[1])\n"
+        "with turns.turn_of_job(out):\n"
+        "    print('begun', flush=True)\n"
+        "    time.sleep(1)\n"
+        "    (out / 'made').touch()\n"
+    )
+    line = [sys.executable, "-c", job, str(tmp_path)]
+    with subprocess.Popen(line, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "begun\n"
+        with turn_of_run(tmp_path) as alone:
+            assert alone
+            assert (tmp_path / "made").exists()
+    assert f"{tmp_path}: waiting for the last jobs of a run that was killed" in capsys.readouterr().err
+
+
+def test_a_job_that_begins_after_the_next_run_ends(tmp_path: Path) -> None:
+    with turn_of_run(tmp_path):
+        with turn_of_job(tmp_path):
+            pass
+        with pytest.MonkeyPatch.context() as context:
+            context.setenv("STUDY_RUN", "of an earlier run")
+            with pytest.raises(SystemExit, match="another run has begun in this folder"), turn_of_job(tmp_path):
+                pass
 
 
 def test_a_file_from_elsewhere_that_changes_while_a_job_reads_it(

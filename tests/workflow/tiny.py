@@ -89,7 +89,7 @@ def run(out: Path, store: Store, jobs: list[Job] | None = None, after: Callable[
                     for path in jobs[i].outputs.values():
                         remove(out, path)
                     return 1
-                hooks.finished(jobs[i])
+                hooks.finished(jobs[i], True)
                 if after is not None:
                     after(jobs[i].rule)
         return 0

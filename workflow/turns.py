@@ -1,0 +1,55 @@
+"""One run at a time in an output folder, and none beside the jobs of a run that was killed."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import secrets
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+RUNNING, JOBS = ".running", ".jobs"  # locked by a run, and by its jobs
+TURN = "STUDY_RUN"  # the environment variable that tells a job of which run it is
+
+
+@contextmanager
+def turn_of_run(out: Path) -> Iterator[bool]:
+    """Have an output folder for as long as the block lasts, or this process lives; whether nobody else had it.
+
+    Jobs that outlived an earlier run, which was killed, are waited for: what they make is kept.
+    """
+    with (out / RUNNING).open("a") as running, (out / JOBS).open("a") as jobs:
+        try:
+            fcntl.flock(running, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            yield False
+            return
+        os.environ[TURN] = secrets.token_hex(8)
+        (out / RUNNING).write_text(os.environ[TURN])  # jobs of earlier runs that begin from now on see it, and end
+        try:
+            fcntl.flock(jobs, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            sys.stderr.write(f"{out}: waiting for the last jobs of a run that was killed\n")
+            fcntl.flock(jobs, fcntl.LOCK_EX)
+        fcntl.flock(jobs, fcntl.LOCK_UN)
+        try:
+            yield True
+        finally:
+            del os.environ[TURN]
+
+
+@contextmanager
+def turn_of_job(out: Path) -> Iterator[None]:
+    """Let no run begin in an output folder while the block lasts.
+
+    Raises:
+        SystemExit: another run has begun than the one that this process is a job of.
+    """
+    with (out / JOBS).open("a") as jobs:
+        with suppress(OSError):  # not every shared file system has locks
+            fcntl.flock(jobs, fcntl.LOCK_SH)
+        if TURN in os.environ and (out / RUNNING).read_text() != os.environ[TURN]:
+            raise SystemExit("another run has begun in this folder")
+        yield
