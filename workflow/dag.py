@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from workflow import cluster
 from workflow.keys import by_role, job_key, output_key
 from workflow.provenance import ROOT, code_hash, lock_hash
 
@@ -73,7 +74,7 @@ def run(arguments: Sequence[str], hooks: Hooks) -> int:
     """Run Snakemake in this process; its exit status."""
     from snakemake.cli import main
 
-    with _hooked(hooks):
+    with _hooked(hooks), cluster.mended():
         try:
             main(list(arguments))
         except SystemExit as end:
@@ -149,11 +150,10 @@ def keys_of(jobs: Sequence[Job], source_key: Callable[[str], str]) -> list[str]:
 
 @contextmanager
 def _hooked(hooks: Hooks) -> Iterator[None]:
-    """Put the hooks in place of methods of Snakemake, for as long as the block lasts."""
+    """Put the hooks in place of two methods of Snakemake's DAG, for as long as the block lasts."""
     from snakemake.dag import DAG
-    from snakemake_executor_plugin_slurm import Executor
 
-    update_needrun, finish, on_node = DAG.update_needrun, DAG.finish, Executor.additional_general_args
+    update_needrun, finish = DAG.update_needrun, DAG.finish
 
     async def decided(dag: Any, create_inventory: bool = False) -> None:
         ordered = [job for level in dag.toposorted() for job in sorted(level, key=_name)]
@@ -187,13 +187,10 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
         return result
 
     DAG.update_needrun, DAG.finish = decided, finished
-    # A job of Slurm is Snakemake again, which is to run its group itself, as many jobs at a time as it has cores. The
-    # plugin would have it do one after the other, each by `srun` and a further Snakemake (the plugin's issue 469).
-    Executor.additional_general_args = lambda self: "--executor local"
     try:
         yield
     finally:
-        DAG.update_needrun, DAG.finish, Executor.additional_general_args = update_needrun, finish, on_node
+        DAG.update_needrun, DAG.finish = update_needrun, finish
 
 
 def _name(job: Any) -> tuple[str, str]:
