@@ -17,7 +17,7 @@ from workflow.store import Store
 
 
 class Keeper:
-    """Keeps an output folder in accord with a plan; its methods are the hooks of `workflow.dag`.
+    """Keeps an output folder in accord with a plan; its methods are the hooks of `workflow.engine`.
 
     Attributes:
         artifacts: the keys of all artifacts of a study by path; None before it was planned for real and as a whole.

@@ -11,8 +11,9 @@ from collections.abc import Collection, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from workflow import dag
+from workflow import engine
 from workflow.config import keep_config
+from workflow.dag import Job, Plan
 from workflow.job import time_line, time_of
 from workflow.keeping import Keeper
 from workflow.manifest import write_manifest
@@ -33,7 +34,7 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
         config: the config file.
         out: the output folder.
         cores: how many jobs may run at the same time; None for what the profile says.
-        profile: where and how they run, see `dag.command_line`.
+        profile: where and how they run, see `engine.command_line`.
         more: further arguments for Snakemake.
         store: where artifacts are shared.
 
@@ -54,8 +55,8 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
         began = time.monotonic()
         keeper, progress = Keeper(out, store), Progress()
-        arguments = [*dag.command_line(config, out, cores, profile), *more]
-        status = dag.run(arguments, _hooks(out, keeper, progress))
+        arguments = [*engine.command_line(config, out, cores, profile), *more]
+        status = engine.run(arguments, _hooks(out, keeper, progress))
         progress.end()
         if progress.done:  # what it took to lay out, start and keep the jobs
             with suppress(OSError):  # the disk may be full
@@ -82,21 +83,21 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
         return status
 
 
-def _hooks(out: Path, keeper: Keeper, progress: Progress) -> dag.Hooks:
+def _hooks(out: Path, keeper: Keeper, progress: Progress) -> engine.Hooks:
     """What keeps artifacts and what tells of the progress, as hooks."""
 
-    def decide(plan: dag.Plan) -> Collection[int]:
+    def decide(plan: Plan) -> Collection[int]:
         needed = keeper.decide(plan)
         if plan.for_real:
             progress.begin(plan.jobs[i].stage for i in needed)
         return needed
 
-    def finished(job: dag.Job, same_code: bool) -> None:
+    def finished(job: Job, same_code: bool) -> None:
         keeper.finished(job, same_code)
         took = time_of(out / job.log)
         progress.finished(job.stage, took["wall"] if took else 1.0)
 
-    return dag.Hooks(decide, finished)
+    return engine.Hooks(decide, finished)
 
 
 def _is_full(out: Path) -> bool:

@@ -114,7 +114,8 @@ def slurm(folder: Path) -> Iterator[Slurm]:
     munge = [f"--{name}-file={running.folder}/munge.{name}" for name in ("pid", "seed", "log")]
     socket_file = running.folder / "munge.socket"
     with ExitStack() as stack:
-        munge += [f"--key-file={key}", f"--socket={socket_file}"]
+        # --force: the folder need not be open to others, who have no business here.
+        munge += ["--force", f"--key-file={key}", f"--socket={socket_file}"]
         stack.enter_context(_daemon(running, "munged", "--foreground", *munge))
         _wait(running, "munged", socket_file.exists)
         stack.enter_context(_daemon(running, "slurmctld", "-D", "-f", configuration))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +14,7 @@ import pytest
 
 from tests.cluster.slurm import CPUS, Slurm, missing, slurm
 from tests.workflow.runs import SMOKE, command, hashes
-from workflow.dag import planned
+from workflow.engine import planned
 from workflow.provenance import ROOT
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(missing() != "", reason=missing())]
@@ -23,7 +23,6 @@ PATIENCE = 900.0  # seconds for a run, on a machine that does much else
 # What the plugin would wait for between large jobs on a busy cluster; this one has no accounting either.
 PLUGIN = ("--slurm-init-seconds-before-status-checks=2", "--slurm-status-command=squeue", "--latency-wait=10")
 QUEUE = "%i|%T|%C|%m|%l|%M|%k"
-JOB = re.compile(r"^(?:rule_)?(\w+?)_")
 
 
 @dataclass(frozen=True)
@@ -111,12 +110,11 @@ def test_the_next_run_goes_on_and_has_the_bytes_of_a_local_run(ran: Ran, finishe
     assert (ran.out / "manifest.json").read_bytes() == (finished / "manifest.json").read_bytes()
 
 
-def test_jobs_are_grouped(
-    ran: Ran, tmp_path: Path, record_property: pytest.FixtureRequest, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_jobs_are_grouped(ran: Ran, tmp_path: Path, record_property: Callable[[str, object], None]) -> None:
     count = len(planned(SMOKE, tmp_path))
-    lines = ["\t".join(job) for job in ran.jobs]
-    record_property("jobs of Slurm", f"{len(ran.jobs)} for {count} jobs of the study\n" + "\n".join(lines))  # type: ignore[operator]
+    record_property("jobs of Slurm", f"{len(ran.jobs)} for {count} jobs of the study")
+    for job in ran.jobs:
+        record_property("job, state, cores, memory, limit, time, group", " ".join(job))
     assert [job[-1].split("_")[1] for job in ran.jobs] == ["data", "fits", "fits", "results"]
     assert [job[1] for job in ran.jobs] == ["COMPLETED", "CANCELLED", "COMPLETED", "COMPLETED"]
     assert count > 40

@@ -16,7 +16,7 @@ import pytest
 import yaml
 from snakemake.iocontainers import InputFiles
 
-from workflow import dag
+from workflow import engine
 from workflow.dag import Job, keys_of
 from workflow.keys import by_role, job_key, output_key, plain
 from workflow.provenance import ROOT
@@ -55,7 +55,7 @@ def test_the_study_shares_keys_exactly_where_work_is_equal(tmp_path: Path) -> No
     sizes = []
     for config_file, out in ((CONFIG, "a"), (CONFIG, "elsewhere/b"), (larger, "c")):
         (tmp_path / out).mkdir(parents=True)
-        jobs = dag.planned(config_file, tmp_path / out)
+        jobs = engine.planned(config_file, tmp_path / out)
         sizes.append(len(jobs))
         for key, number in zip(keys_of(jobs, no_source), identities(jobs, known), strict=True):
             work_of_key.setdefault(key, set()).add(number)
@@ -167,7 +167,7 @@ class Copy:
     def plan(self, succeeds: bool = True) -> dict[str, str]:
         """The key of each job by its outputs; without success what was printed, as `error`."""
         code = (
-            "import sys, json, pathlib; from workflow.dag import planned, keys_of\n"
+            "import sys, json, pathlib; from workflow.dag import keys_of; from workflow.engine import planned\n"
             "jobs = planned(pathlib.Path('config/smoke.yaml'), pathlib.Path('out'))\n"
             "pairs = zip(jobs, keys_of(jobs, str), strict=True)\n"
             "print('KEYS', json.dumps({' '.join(job.outputs.values()): key for job, key in pairs}))"
@@ -253,7 +253,7 @@ def test_a_file_of_weights_counts_by_its_content(tmp_path: Path) -> None:
         (tmp_path / folder / "out").mkdir(parents=True)
         (tmp_path / folder / "weights.pt").write_text(content)
         (tmp_path / folder / "config.yaml").write_text(yaml.safe_dump(config))
-        jobs = dag.planned(tmp_path / folder / "config.yaml", tmp_path / folder / "out")
+        jobs = engine.planned(tmp_path / folder / "config.yaml", tmp_path / folder / "out")
         keys = keys_of(jobs, lambda path: Path(path).read_text())
         found.append({job.rule: key for job, key in zip(jobs, keys, strict=True)})
     assert found[0] == found[1]

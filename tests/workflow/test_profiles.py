@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from workflow.dag import PROFILES, command_line
+from workflow.engine import PROFILES, command_line
 from workflow.provenance import ROOT
 
 CONFIG = ROOT / "config" / "smoke.yaml"

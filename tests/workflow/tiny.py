@@ -13,9 +13,10 @@ from snakemake.iocontainers import InputFiles, OutputFiles, Params, Wildcards
 
 from features.files import replacing
 from tests.workflow.runs import SMOKE
-from workflow import dag, runner
+from workflow import engine, runner
 from workflow import job as wrapper
-from workflow.dag import Hooks, Job, Plan
+from workflow.dag import Job, Plan
+from workflow.engine import Hooks
 from workflow.keeping import Keeper
 from workflow.manifest import write_manifest
 from workflow.records import FOLDER, DamagedError, remove
@@ -94,8 +95,8 @@ def run(out: Path, store: Store, jobs: list[Job] | None = None, after: Callable[
                     after(jobs[i].rule)
         return 0
 
-    with patch.object(dag, "run", in_place_of_snakemake):
-        return runner.run(SMOKE, out, 1, dag.DEFAULT, (), store)  # any config: the jobs are given
+    with patch.object(engine, "run", in_place_of_snakemake):
+        return runner.run(SMOKE, out, 1, engine.DEFAULT, (), store)  # any config: the jobs are given
 
 
 def files(folder: Path) -> dict[str, bytes]:
