@@ -94,7 +94,7 @@ format: $(READY)
 bench: $(READY)
 	$(PYTHON) -m benchmarks.jobs $(OUT) --out $(OUT)/bench
 	$(PYTHON) -m benchmarks --out $(OUT)/bench
-	$(PYTHON) -m workflow run --config config/config.yaml --out $(OUT)/bench/study --cores $(CORES) -- $(BENCH_TRIALS)
+	$(RUN) --config config/config.yaml --out $(OUT)/bench/study -- $(BENCH_TRIALS)
 	$(PYTHON) -m benchmarks.comparison --out $(OUT)/bench \
 		$(foreach trials,$(BENCH_TRIALS),$(OUT)/bench/study/$(trials) $(OUT)/bench/study/$(trials:trials.parquet=objects.parquet))
 
