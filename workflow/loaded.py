@@ -7,6 +7,7 @@ import ast
 import contextlib
 import importlib
 import os
+import warnings
 from pathlib import Path
 
 from workflow.provenance import imported_files, imported_names
@@ -21,10 +22,12 @@ def load(scripts: list[Path]) -> None:
     """Import every module that scripts import, and those that functions of the project import when called."""
     files = {file for script in scripts for file in imported_files(script)}
     names = {name for file in files for name in imported_names(ast.parse(file.read_bytes(), str(file)))}
-    for name in sorted(names):
-        if not name.startswith(LATE):
-            with contextlib.suppress(ImportError):  # a function of a module is none; a job says what is missing
-                importlib.import_module(name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what libraries say of themselves when they are imported
+        for name in sorted(names):
+            if not name.startswith(LATE):
+                with contextlib.suppress(ImportError):  # a function of a module is none; a job says what is missing
+                    importlib.import_module(name)
     if "model.fitting" in names:
         from model.fitting import load_compiled
 
