@@ -119,7 +119,10 @@ def _projections(figure: SubFigure, seen: Overview) -> None:
         if name == "color":
             shades |= _mean_colors(seen, labels)
         axes.scatter(points[:, 0], points[:, 1], c=[shades.get(word, "0.6") for word in known], s=10)
-        axes.legend(handles=[Patch(color=shades[word], label=word) for word in labels], handlelength=1.0)
+        marks = [Patch(color=shades[word], label=word) for word in labels]
+        # Below the panel, where it hides no point.
+        below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.12), "ncols": 2, "frameon": False}
+        axes.legend(handles=marks, handlelength=1.0, **below)
         axes.set_title(name.replace("_", " "))
 
 
