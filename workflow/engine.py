@@ -122,6 +122,9 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
             calm.running = True
             forks.preload({_script(job) for job in chosen})
             dag.workflow.iocache.deactivate()  # it has seen files that the decision removed, and missed restored ones
+            # Its limit of jobs a second has the scheduler look at all jobs again once a second for each job that has
+            # ended: after some hundreds it does little else.
+            dag.workflow.scheduling_settings.max_jobs_per_timespan = None
         for job in ordered:  # targets such as `all`, which do nothing but ask for files
             if job.is_norun and not chosen.isdisjoint(dag.dependencies[job]):
                 chosen.add(job)
