@@ -99,7 +99,7 @@ bench: $(READY)
 		$(foreach trials,$(BENCH_TRIALS),$(OUT)/bench/study/$(trials) $(OUT)/bench/study/$(trials:trials.parquet=objects.parquet))
 
 docs: $(READY)
-	$(PYTHON) -m workflow.reference docs/config.md
+	$(PYTHON) -m workflow.plan.reference docs/config.md
 
 # pip-compile resolves with pip itself; a local build label such as +cpu is on no public index, and is left out.
 lock:

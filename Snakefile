@@ -21,6 +21,7 @@ report: "workflow/report/study.rst"
 
 include: "workflow/rules/common.smk"
 include: "workflow/rules/functions.smk"
+include: "workflow/rules/presentation_functions.smk"
 include: "workflow/rules/data_collection.smk"
 include: "workflow/rules/features.smk"
 include: "workflow/rules/model.smk"

@@ -15,7 +15,7 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
-from workflow.job import time_of
+from workflow.execution.job import time_of
 
 
 def job_times(logs: Path) -> pd.DataFrame:

@@ -5,8 +5,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from data_collection.channels import CHANNELS
-from data_collection.mcap_log import Log, LogError, read_log
+from data_collection.log.channels import CHANNELS
+from data_collection.log.mcap_log import Log, LogError, read_log
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -53,7 +53,7 @@ def topics() -> str:
     lines = ["| topic | type | value | unit | frame | required in | optional in | meaning |", "|" + " --- |" * 8]
     for channel in CHANNELS:
         cells = (
-            f"`{channel.topic}`", channel.type, channel.shape, channel.unit, channel.frame,
+            f"`{channel.topic}`", channel.value.type, channel.value.shape, channel.value.unit, channel.value.frame,
             ", ".join(channel.required), ", ".join(channel.optional),
             channel.meaning + ("; once" if channel.once else ""),
         )  # fmt: skip
@@ -62,7 +62,7 @@ def topics() -> str:
 
 
 def _check(path: Path, options: argparse.Namespace) -> bool:
-    from data_collection.validation import kind_of, problems
+    from data_collection.log.validation import kind_of, problems
 
     log = read_log(path)
     found = problems(log)
@@ -74,7 +74,7 @@ def _check(path: Path, options: argparse.Namespace) -> bool:
 
 def _show(path: Path, options: argparse.Namespace) -> bool:
     from data_collection import show
-    from data_collection.validation import kind_of
+    from data_collection.log.validation import kind_of
 
     log = read_log(path)
     if kind_of(log) == "calibration":
@@ -119,7 +119,7 @@ def _seconds(log: Log) -> float:
 
 
 def _said(log: Log) -> str:
-    from data_collection.channels import SENTENCE
+    from data_collection.log.channels import SENTENCE
 
     sentences = [str(message.value) for message in log.messages if message.topic == SENTENCE]
     return f", “{sentences[-1]}”" if sentences else ""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from data_collection.episode import calibrate, collect, execute
-from data_collection.mcap_log import Log, LogError
+from data_collection.log.mcap_log import Log, LogError
 from data_collection.settings import Simulation
 from data_collection.task import Command
 

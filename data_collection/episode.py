@@ -8,14 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from data_collection import channels, scene, task
-from data_collection.camera import believed, expose
-from data_collection.mcap_log import Log, Message
-from data_collection.messages import Floats, Value
-from data_collection.recording import Recording
+from data_collection import task
+from data_collection.joints import JOINT_NAMES, TACTILE_NAMES
+from data_collection.log import channels
+from data_collection.log.mcap_log import Log, Message
+from data_collection.log.messages import Floats, Value
 from data_collection.seeding import generator
 from data_collection.settings import ACTION, Simulation
-from data_collection.world import World
+from data_collection.simulator import scene
+from data_collection.simulator.camera import believed, expose
+from data_collection.simulator.recording import Recording
+from data_collection.simulator.world import World
 
 SETS = ("train", "generation", "description")
 MARK_ROWS, MARK_COLUMNS, MARK_RADIUS = 5, 7, 0.006
@@ -215,7 +218,7 @@ def _metadata(
         "seed": str(seed),
         "settings": settings,
         "settings_sha256": hashlib.sha256(settings.encode()).hexdigest(),
-        "joint_names": " ".join(channels.JOINT_NAMES),
-        "tactile_names": " ".join(channels.TACTILE_NAMES),
+        "joint_names": " ".join(JOINT_NAMES),
+        "tactile_names": " ".join(TACTILE_NAMES),
         "units": "metres, radians, seconds; touch 0..1; robot frame: x ahead, y left, z up, origin at root_link",
     }

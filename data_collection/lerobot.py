@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from data_collection import channels, codec
-from data_collection.channels import JOINT_NAMES, TACTILE_NAMES
-from data_collection.mcap_log import Log, LogError, read_log
-from data_collection.messages import Floats, Image, JointState
-from data_collection.trial import observation
-from data_collection.validation import kind_of
+from data_collection.joints import JOINT_NAMES, TACTILE_NAMES
+from data_collection.log import channels, codec
+from data_collection.log.mcap_log import Log, LogError, read_log
+from data_collection.log.messages import Floats, Image, JointState
+from data_collection.log.trial import observation
+from data_collection.log.validation import kind_of
 
 IMAGE_KEY = "observation.images.left_eye"
 _VECTORS = {

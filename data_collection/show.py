@@ -8,12 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from data_collection import channels, scene, task
-from data_collection.mcap_log import Log
-from data_collection.messages import Image, JointState
+from data_collection import task
+from data_collection.log import channels
+from data_collection.log.mcap_log import Log
+from data_collection.log.messages import Image, JointState
+from data_collection.log.trial import observation, truth
 from data_collection.settings import ObjectKind, Simulation
-from data_collection.trial import observation, truth
-from data_collection.world import World
+from data_collection.simulator import scene
+from data_collection.simulator.world import World
 
 _EYE, _TOWARDS = np.array([1.02, -0.46, 0.50]), np.array([0.14, -0.02, 0.06])
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from evaluation.figures_of_chains import chains_figure
+from evaluation.figures.chains import chains_figure
 from evaluation.scores import write_csv
 from features.files import replacing
 from model import METHODS, Fit

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from data_collection.channels import TACTILE_NAMES
+from data_collection.joints import TACTILE_NAMES
 
 Array = NDArray[np.float64]
 

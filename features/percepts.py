@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from data_collection.mcap_log import Log
-from data_collection.trial import Observation, Truth, calibration, observation, truth
+from data_collection.log.mcap_log import Log
+from data_collection.log.trial import Observation, Truth, calibration, observation, truth
 from features.detection import Found, crop, detect, without_rim
 from features.object_feature import FC6_SIZE, fc6
 from features.percept_data import Percepts, first, join, load_percepts, save_percepts

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from data_collection.trial import Calibration
+from data_collection.log.trial import Calibration
 from features.detection import Image
 from features.homography import Camera, find_marks, fit_camera
 

@@ -12,7 +12,7 @@ import yaml
 from filelock import FileLock
 
 from data_collection.episode import calibrate, collect
-from data_collection.mcap_log import Log, read_log, write_log
+from data_collection.log.mcap_log import Log, read_log, write_log
 from data_collection.settings import Simulation
 from tests.workflow.runs import SMOKE, run
 

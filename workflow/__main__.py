@@ -6,10 +6,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from workflow.config import ConfigError
-from workflow.plan import load_study
-from workflow.provenance import ROOT
-from workflow.store import Store, default_folder, default_limit
+from workflow.artifacts.provenance import ROOT
+from workflow.artifacts.store import Store, default_folder, default_limit
+from workflow.plan.config import ConfigError
+from workflow.plan.loading import load_study
 
 WRONG = 2
 
@@ -53,7 +53,7 @@ def _command(arguments: argparse.Namespace) -> int:
             load_study(arguments.config)  # finds mistakes before anything else starts
             if arguments.cores is not None and arguments.cores < 1:
                 raise ValueError(f"--cores {arguments.cores}: must be at least 1")
-            from workflow.runner import run
+            from workflow.execution.runner import run
 
             how = arguments.cores, arguments.profile, arguments.snakemake
             return run(arguments.config, arguments.out, *how, _store(arguments))
@@ -62,13 +62,13 @@ def _command(arguments: argparse.Namespace) -> int:
             fits = sum(1 for name in study.experiments for _ in study.conditions(name))
             _print(f"{arguments.config}: {len(study.experiments)} experiments, {fits} fits, no problem found")
         case "verify":
-            from workflow.manifest import verify
+            from workflow.artifacts.manifest import verify
 
             count, problems = verify(arguments.out)
             _print(*problems, f"{arguments.out}: {count} artifacts, {len(problems) or 'no'} problems")
             return 1 if problems else 0
         case "explain":
-            from workflow.explain import explain, output_folder
+            from workflow.artifacts.explain import explain, output_folder
 
             out = output_folder(arguments.path)
             _print(*explain(out, arguments.path.absolute().relative_to(out).as_posix()))

@@ -14,8 +14,8 @@ import pytest
 
 from tests.cluster.slurm import CPUS, Slurm, missing, slurm
 from tests.workflow.runs import SMOKE, command, hashes
-from workflow.engine import planned
-from workflow.provenance import ROOT
+from workflow.artifacts.provenance import ROOT
+from workflow.execution.engine import planned
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(missing() != "", reason=missing())]
 

@@ -1,7 +1,7 @@
 import pytest
 
 from data_collection.episode import calibrate, collect, execute
-from data_collection.mcap_log import Log
+from data_collection.log.mcap_log import Log
 from data_collection.settings import Simulation
 from data_collection.task import Command
 from tests.conftest import simulation_of

@@ -6,9 +6,9 @@ import struct
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from data_collection import channels, codec
-from data_collection.channels import BY_TOPIC
-from data_collection.mcap_log import METADATA_NAME, Message
+from data_collection.log import channels, codec
+from data_collection.log.channels import BY_TOPIC
+from data_collection.log.mcap_log import METADATA_NAME, Message
 
 MAGIC = b"\x89MCAP0\r\n"
 
@@ -27,9 +27,9 @@ class Raw:
     @classmethod
     def of(cls, message: Message) -> Raw:
         """The message as it should stand."""
-        channel = BY_TOPIC[message.topic]
-        data = codec.encode(channel.type, message.value, message.time, channel.frame or channels.ROOT_FRAME)
-        return cls(message.topic, message.time, data, channel.type)
+        form = BY_TOPIC[message.topic].value
+        data = codec.encode(form.type, message.value, message.time, form.frame or channels.ROOT_FRAME)
+        return cls(message.topic, message.time, data, form.type)
 
 
 def record(opcode: int, payload: bytes, length: int | None = None) -> bytes:

@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from data_collection.__main__ import main
-from data_collection.mcap_log import Log, write_log
+from data_collection.log.mcap_log import Log, write_log
 from data_collection.show import animation, brief, save_gif
 
 

@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 
 from data_collection.__main__ import topics
-from data_collection.channels import JOINT_NAMES, TACTILE_NAMES
-from data_collection.mcap_log import read_log
-from data_collection.trial import observation
-from data_collection.validation import problems
+from data_collection.joints import JOINT_NAMES, TACTILE_NAMES
+from data_collection.log.mcap_log import read_log
+from data_collection.log.trial import observation
+from data_collection.log.validation import problems
 
 TEXT = (Path(__file__).parents[2] / "docs/logs.md").read_text(encoding="utf-8")
 

@@ -9,15 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from data_collection import channels
 from data_collection.comparison import differences, regenerate
 from data_collection.episode import calibrate, collect, execute
-from data_collection.mcap_log import Log, LogError, read_log, write_log
-from data_collection.messages import JointState
+from data_collection.joints import JOINT_NAMES
+from data_collection.log import channels
+from data_collection.log.mcap_log import Log, LogError, read_log, write_log
+from data_collection.log.messages import JointState
+from data_collection.log.trial import observation, truth
 from data_collection.settings import Simulation
+from data_collection.simulator.world import World
 from data_collection.task import Command, Placed
-from data_collection.trial import observation, truth
-from data_collection.world import World
 from tests.conftest import Simulated, simulation_of
 
 PROVENANCE = {"code_sha256": "c0de", "lock_sha256": "10c4"}
@@ -79,7 +80,7 @@ def test_metadata(trials: list[Log]) -> None:
         "1",
     )
     assert metadata["code_sha256"] == "c0de"
-    assert metadata["joint_names"].split() == list(channels.JOINT_NAMES)
+    assert metadata["joint_names"].split() == list(JOINT_NAMES)
     assert len(metadata["settings_sha256"]) == 64
 
 
@@ -90,7 +91,7 @@ def test_signals_live(trials: list[Log]) -> None:
     steps = np.diff([message.time for message in states[:-1]])
     assert steps == pytest.approx(5e7, abs=1)
     positions = np.array([m.value.position for m in states if isinstance(m.value, JointState)])
-    still = [channels.JOINT_NAMES[joint] for joint in np.flatnonzero(np.ptp(positions, axis=0) < 1e-4)]
+    still = [JOINT_NAMES[joint] for joint in np.flatnonzero(np.ptp(positions, axis=0) < 1e-4)]
     assert set(still) <= {"neck_roll"}
     velocities = np.array([m.value.velocity for m in states if isinstance(m.value, JointState)])
     assert np.abs(velocities).max() > 0.2

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from data_collection import channels
-from data_collection.codec import decode_image
-from data_collection.mcap_log import Log, write_log
-from data_collection.messages import JointState
+from data_collection.joints import JOINT_NAMES
+from data_collection.log import channels
+from data_collection.log.codec import decode_image
+from data_collection.log.mcap_log import Log, write_log
+from data_collection.log.messages import JointState
 
 HERE = Path(__file__).parent / "foxglove"
 pytestmark = pytest.mark.slow
@@ -47,7 +48,7 @@ def test_the_values_are_ours(decoded: dict[str, Any], trials: list[Log]) -> None
     ours = {message.topic: message.value for message in trials[0].messages}
     joints = ours[channels.JOINT_STATES]
     assert isinstance(joints, JointState)
-    assert decoded["last"][channels.JOINT_STATES]["name"] == list(channels.JOINT_NAMES)
+    assert decoded["last"][channels.JOINT_STATES]["name"] == list(JOINT_NAMES)
     assert decoded["last"][channels.JOINT_STATES]["position"] == np.asarray(joints.position).tolist()
     assert decoded["last"][channels.SENTENCE]["data"] == ours[channels.SENTENCE]
     image = bytes(decoded["last"][channels.IMAGE_AFTER]["data"])

@@ -23,14 +23,15 @@ import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from data_collection import channels, codec
-from data_collection.channels import BY_TOPIC, CHANNELS, JOINT_NAMES, Channel, LogKind
 from data_collection.comparison import differences
+from data_collection.joints import JOINT_NAMES
 from data_collection.limits import MAX_LOG_BYTES, MAX_MESSAGE_BYTES, MAX_SENTENCE
-from data_collection.mcap_log import Log, LogError, Message, read_log, write_log
-from data_collection.messages import CameraInfo, JointState, Transform, Value
-from data_collection.trial import calibration, observation, truth
-from data_collection.validation import kind_of, problems
+from data_collection.log import channels, codec
+from data_collection.log.channels import BY_TOPIC, CHANNELS, Channel, LogKind
+from data_collection.log.mcap_log import Log, LogError, Message, read_log, write_log
+from data_collection.log.messages import CameraInfo, JointState, Transform, Value
+from data_collection.log.trial import calibration, observation, truth
+from data_collection.log.validation import kind_of, problems
 from tests.bounded import errors_within
 from tests.data_collection.raw_mcap import (
     Raw,
@@ -68,14 +69,14 @@ def sound(channel: Channel) -> Value:
         channels.CAMERA_INFO: lambda: CameraInfo(40, 32, np.diag([50.0, 51.0, 1.0]), np.zeros(5), "eye"),
         channels.JOINT_STATE: lambda: JointState(JOINT_NAMES, np.zeros(25), np.zeros(25)),
         channels.NUMBER: lambda: 0.5,
-        channels.NUMBERS: lambda: np.full(channel.length or 0, 0.5),
+        channels.NUMBERS: lambda: np.full(channel.value.length or 0, 0.5),
         channels.POINT: lambda: POSES[0, :3],
         channels.POSE: lambda: POSES[0],
         channels.POSES: lambda: POSES,
         channels.TRANSFORMS: lambda: (Transform("root", "hand", POSES[0]),),
         channels.TEXT: lambda: TEXTS[channel.topic],
     }
-    return made[channel.type]()
+    return made[channel.value.type]()
 
 
 @functools.cache
@@ -116,7 +117,7 @@ def wrong_envelopes(channel: Channel) -> Iterator[Broken]:
     def cut(part: float) -> Callable[[Raw], list[Raw]]:
         return lambda raw: [dataclasses.replace(raw, data=raw.data[: int(part * len(raw.data))])]
 
-    others = sorted({other.type for other in CHANNELS} - {channel.type})
+    others = sorted({other.value.type for other in CHANNELS} - {channel.value.type})
     for other in (*others, "std_msgs/msg/Nonsense", ""):
         yield f"type {other}", changed(type=other)
     for encoding in ("json", "ros1", "protobuf", ""):
@@ -129,7 +130,7 @@ def wrong_envelopes(channel: Channel) -> Iterator[Broken]:
         "lengths of 4 GiB",
         lambda raw: [dataclasses.replace(raw, data=raw.data[:4] + b"\xff" * (len(raw.data) - 4))],
     )
-    if channel.type != channels.IMAGE:
+    if channel.value.type != channels.IMAGE:
         yield "too many bytes", changed(data=bytes(MAX_MESSAGE_BYTES + 1))
     if channel.once:
         yield "twice", lambda raw: [raw, raw]
@@ -138,10 +139,10 @@ def wrong_envelopes(channel: Channel) -> Iterator[Broken]:
 def wrong_values(channel: Channel) -> Iterator[tuple[str, Value]]:
     """Every field of a value, broken in every way that it can be written."""
     value = sound(channel)
-    if channel.type == channels.IMAGE:
+    if channel.value.type == channels.IMAGE:
         yield "8 × 8 pixels", np.zeros((8, 8, 3), np.uint8)
         yield "one row", np.zeros((1, 400, 3), np.uint8)
-    elif channel.type == channels.TEXT:
+    elif channel.value.type == channels.TEXT:
         yield from wrong_texts(channel)
     elif isinstance(value, CameraInfo):
         for change in ({"width": 0}, {"height": 0}, {"width": 100_000, "height": 100_000}):
@@ -165,11 +166,11 @@ def wrong_values(channel: Channel) -> Iterator[tuple[str, Value]]:
                 yield f"pose[{index}] {bad}", (Transform("root", "hand", put(POSES[0], index, bad)),)
     else:
         numbers = np.asarray(value, dtype=np.float64)
-        for at in (at for at in np.ndindex(numbers.shape) if channel.type != channels.POSES or at[0] == 1):
-            for bad in (NAN, INF, -INF, (channel.lowest or 0) - 1e-6, (channel.highest or 0) + 1e-6):
+        for at in (at for at in np.ndindex(numbers.shape) if channel.value.type != channels.POSES or at[0] == 1):
+            for bad in (NAN, INF, -INF, (channel.value.lowest or 0) - 1e-6, (channel.value.highest or 0) + 1e-6):
                 yield f"{list(at)} {bad}", put(numbers, at, bad)
-        if channel.type == channels.NUMBERS:
-            for size in (0, channel.length - 1, channel.length + 1, 100_000):  # type: ignore[operator]
+        if channel.value.type == channels.NUMBERS:
+            for size in (0, channel.value.length - 1, channel.value.length + 1, 100_000):  # type: ignore[operator]
                 yield f"{size} numbers", np.zeros(size)
 
 
@@ -446,7 +447,7 @@ def frame_errors(base: str) -> dict[str, str]:
         paths[name] = folder / f"{name.replace('/', '')}.a.mcap"
         paths[name].write_bytes(content)
     return errors_within(
-        2**29, "from data_collection.mcap_log import LogError, read_log", "read_log(path)", "LogError", paths
+        2**29, "from data_collection.log.mcap_log import LogError, read_log", "read_log(path)", "LogError", paths
     )
 
 

@@ -3,15 +3,16 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from data_collection import robot_model
-from data_collection.channels import JOINT_NAMES
-from data_collection.kinematics import HAND, HEAD, REACH, Kinematics, rotation
+from data_collection.joints import JOINT_NAMES
 from data_collection.seeding import generator
 from data_collection.settings import Simulation
-from data_collection.world import World
+from data_collection.simulator import hand_model, robot_model
+from data_collection.simulator.inverse_kinematics import look, reach
+from data_collection.simulator.kinematics import HAND, HEAD, REACH, Kinematics, rotation
+from data_collection.simulator.world import World
 
 LINKS = (
-    robot_model.GRASP_LINK,
+    hand_model.GRASP_LINK,
     robot_model.LEFT_EYE_LINK,
     "r_eye",
     "r_little_distal_phalanx",
@@ -73,8 +74,8 @@ def test_derivatives(kinematics: Kinematics, link: str) -> None:
 @pytest.mark.parametrize("z", [-0.03, 0.07])
 def test_the_hand_reaches_every_place_from_above(world: World, x: float, y: float, z: float) -> None:
     kinematics, target = world.kinematics, np.array([x, y, z])
-    angles = kinematics.reach(target, world.rest_angles, world._comfortable)
-    pose = kinematics.pose(robot_model.GRASP_LINK, angles)
+    angles = reach(kinematics, target, world.rest_angles, world._comfortable)
+    pose = kinematics.pose(hand_model.GRASP_LINK, angles)
     assert np.linalg.norm(pose.position - target) < 1e-3
     assert pose.axes[2, 2] < -0.85, "the palm looks down"
     assert (angles >= kinematics.lower).all()
@@ -84,14 +85,14 @@ def test_the_hand_reaches_every_place_from_above(world: World, x: float, y: floa
 
 
 def test_out_of_reach_stays_within_limits(world: World) -> None:
-    angles = world.kinematics.reach(np.array([2.0, 1.0, 0.0]), world.rest_angles, world._comfortable)
+    angles = reach(world.kinematics, np.array([2.0, 1.0, 0.0]), world.rest_angles, world._comfortable)
     assert np.isfinite(angles).all()
     assert (angles <= world.kinematics.upper).all()
 
 
 @pytest.mark.parametrize("target", [(0.21, 0.0, -0.03), (0.28, 0.2, -0.03), (0.28, -0.2, -0.03), (0.42, 0.0, -0.05)])
 def test_both_eyes_fixate_the_object(world: World, target: tuple[float, float, float]) -> None:
-    angles = world.kinematics.look(np.array(target), world.rest_angles, world.rest_angles)
+    angles = look(world.kinematics, np.array(target), world.rest_angles, world.rest_angles)
     for eye in (robot_model.LEFT_EYE_LINK, "r_eye"):
         pose = world.kinematics.pose(eye, angles)
         line = np.array(target) - pose.position
@@ -100,7 +101,7 @@ def test_both_eyes_fixate_the_object(world: World, target: tuple[float, float, f
 
 
 def test_model_has_no_paths_and_is_whole() -> None:
-    text = robot_model.urdf(meshes=False)
+    text = robot_model.robot_urdf(meshes=False)
     assert 'filename="package://' in text
     assert 'filename="/' not in text
     assert max(len(line) for line in text.splitlines()) < 1000, "PyBullet breaks longer lines"

@@ -8,10 +8,10 @@ import pyarrow.parquet as parquet
 import pytest
 from PIL import Image
 
-from data_collection import channels
+from data_collection.joints import JOINT_NAMES
 from data_collection.lerobot import IMAGE_KEY, export
-from data_collection.mcap_log import Log, LogError, write_log
-from data_collection.trial import observation
+from data_collection.log.mcap_log import Log, LogError, write_log
+from data_collection.log.trial import observation
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +42,7 @@ def test_info_agrees_with_the_data(dataset: Path, trials: list[Log]) -> None:
     assert info["total_frames"] == table.num_rows
     assert info["fps"] == 20
     assert set(info["features"]) == set(table.column_names)
-    assert info["features"]["observation.state"]["names"] == list(channels.JOINT_NAMES)
+    assert info["features"]["observation.state"]["names"] == list(JOINT_NAMES)
     described = json.loads(table.schema.metadata[b"huggingface"])["info"]["features"]
     assert set(described) == set(table.column_names)
     stats = json.loads((dataset / "meta/stats.json").read_text())

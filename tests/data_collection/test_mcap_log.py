@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from data_collection import channels, mcap_log
 from data_collection.comparison import differences
-from data_collection.mcap_log import Log, LogError, Message, read_log, write_log
-from data_collection.messages import CameraInfo, JointState, Transform, Value
+from data_collection.joints import JOINT_NAMES
+from data_collection.log import channels, mcap_log
+from data_collection.log.mcap_log import Log, LogError, Message, read_log, write_log
+from data_collection.log.messages import CameraInfo, JointState, Transform, Value
 from data_collection.seeding import generator
 
 
@@ -16,7 +17,7 @@ def _small() -> Log:
     """Return a log with every type of message."""
     rng = generator(1, "log")
     image = rng.integers(0, 256, size=(48, 64, 3), dtype=np.uint8)
-    joints = JointState(channels.JOINT_NAMES, rng.normal(size=25), rng.normal(size=25))
+    joints = JointState(JOINT_NAMES, rng.normal(size=25), rng.normal(size=25))
     camera = CameraInfo(64, 48, np.diag([50.0, 51.0, 1.0]), np.zeros(5), "eye")
     values: dict[str, Value] = {
         channels.IMAGE_BEFORE: image,

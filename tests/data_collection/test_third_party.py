@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
 
-from data_collection import channels
-from data_collection.codec import decode_image
-from data_collection.mcap_log import Log, write_log
-from data_collection.messages import JointState
+from data_collection.joints import JOINT_NAMES
+from data_collection.log import channels
+from data_collection.log.codec import decode_image
+from data_collection.log.mcap_log import Log, write_log
+from data_collection.log.messages import JointState
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +41,7 @@ def test_rosbags_decodes_the_same_values(log_path: Path, trials: list[Log]) -> N
             message, value = reader.deserialize(data, connection.msgtype), ours[connection.topic, time]
             if connection.topic == channels.JOINT_STATES:
                 assert isinstance(value, JointState)
-                assert tuple(message.name) == channels.JOINT_NAMES
+                assert tuple(message.name) == JOINT_NAMES
                 assert np.array_equal(message.position, value.position)
             elif connection.msgtype == channels.IMAGE:
                 assert message.format == "png"

@@ -5,13 +5,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from data_collection import channels
-from data_collection.channels import CHANNELS, TRUTH_PREFIX, LogKind
 from data_collection.comparison import _same
-from data_collection.mcap_log import Log, LogError, Message
-from data_collection.messages import CameraInfo, JointState, Value
-from data_collection.trial import calibration, observation, truth
-from data_collection.validation import problems
+from data_collection.joints import JOINT_NAMES
+from data_collection.log import channels
+from data_collection.log.channels import CHANNELS, TRUTH_PREFIX, LogKind
+from data_collection.log.mcap_log import Log, LogError, Message
+from data_collection.log.messages import CameraInfo, JointState, Value
+from data_collection.log.trial import calibration, observation, truth
+from data_collection.log.validation import problems
 
 
 def _without(log: Log, prefix: str) -> Log:
@@ -33,7 +34,7 @@ def test_observation(trials: list[Log]) -> None:
         assert seen.trial == number
         assert seen.image_after is not None
         assert seen.image_before.shape == seen.image_after.shape == (300, 400, 3)
-        assert seen.joint_names == channels.JOINT_NAMES
+        assert seen.joint_names == JOINT_NAMES
         assert (seen.joint_lower < seen.joint_upper).all()
         assert (seen.joint_positions >= seen.joint_lower - 0.02).all()
         assert (seen.joint_positions <= seen.joint_upper + 0.02).all()
@@ -120,9 +121,9 @@ BAD: list[tuple[str, Callable[[Value], Value], str]] = [
     (channels.FINGER_RATE, lambda _: float("inf"), "not finite"),
     (channels.HAND_POSE, lambda _: np.full(7, np.inf), "not finite"),
     (channels.GAZE_TARGET, lambda _: np.full(3, np.nan), "not finite"),
-    (channels.JOINT_STATES, _joints(names=channels.JOINT_NAMES[:-1]), "torso_yaw"),
-    (channels.JOINT_STATES, _joints(names=channels.JOINT_NAMES[::-1]), "another order"),
-    (channels.JOINT_STATES, _joints(names=(*channels.JOINT_NAMES[:-1], "tail")), "tail"),
+    (channels.JOINT_STATES, _joints(names=JOINT_NAMES[:-1]), "torso_yaw"),
+    (channels.JOINT_STATES, _joints(names=JOINT_NAMES[::-1]), "another order"),
+    (channels.JOINT_STATES, _joints(names=(*JOINT_NAMES[:-1], "tail")), "tail"),
     (channels.JOINT_STATES, _joints(position=np.zeros(24)), "24 positions"),
     (channels.JOINT_STATES, _joints(position=np.full(25, np.nan)), "not finite"),
     (channels.IMAGE_BEFORE, lambda _: np.zeros((8, 8, 3), np.uint8), "too small"),

@@ -3,12 +3,12 @@ import math
 import numpy as np
 import pytest
 
-from data_collection import robot_model
-from data_collection.messages import Floats
-from data_collection.scene import intrinsics
+from data_collection.log.messages import Floats
 from data_collection.settings import Simulation
 from data_collection.shapes import build
-from data_collection.world import World
+from data_collection.simulator import robot_model
+from data_collection.simulator.scene import intrinsics
+from data_collection.simulator.world import World
 
 
 def _pixels(simulation: Simulation, points: Floats) -> Floats:

@@ -11,7 +11,7 @@ import pytest
 from model import Prior
 from tests.docs.conditions import PAGE, Example, examples, in_words, patched, planned, prepare
 from tests.workflow.runs import jobs
-from workflow.study import HYPERPARAMETERS
+from workflow.plan.study import HYPERPARAMETERS
 
 EXAMPLES = list(examples())
 RUN = [sys.executable, "-m", "workflow", "run", "--config", "config/changed.yaml", "--out", "results"]

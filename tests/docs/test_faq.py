@@ -13,13 +13,13 @@ import yaml
 
 from data_collection import limits
 from data_collection.__main__ import main as data_collection
-from data_collection.channels import BY_TOPIC, HAND_POSE, JOINT_STATES
+from data_collection.log.channels import BY_TOPIC, HAND_POSE, JOINT_STATES
 from features.transforms import _principal_components
 from tests.docs.conditions import SMOKE, patched
 from tests.docs.pages import ROOT, Block, blocks, matches
 from tests.synthetic import OBJECTS_COLUMNS, TRIALS_COLUMNS, WORDS, own_rows, write_own_study, write_rows
-from workflow.config import ConfigError
-from workflow.plan import load_study
+from workflow.plan.config import ConfigError
+from workflow.plan.loading import load_study
 
 SHOWN = {block.heading: block for block in blocks((ROOT / "docs" / "faq.md").read_text(encoding="utf-8"))}
 
@@ -170,8 +170,8 @@ def test_the_limits_that_pages_name_are_those_of_the_readers() -> None:
             f"{limits.MAX_MESSAGES:,} messages",
             f"{limits.MAX_PIXELS:,} pixels and {limits.MAX_IMAGE_BYTES / 2**20:g} MiB",
             f"at most {limits.MAX_MESSAGE_BYTES / 2**20:g} MiB",
-            f"±{BY_TOPIC[JOINT_STATES].highest:g} rad",
-            f"±{BY_TOPIC[HAND_POSE].highest:g} m",
+            f"±{BY_TOPIC[JOINT_STATES].value.highest:g} rad",
+            f"±{BY_TOPIC[HAND_POSE].value.highest:g} m",
         ),
     }
     for page, texts in shown.items():

@@ -11,11 +11,11 @@ import pandas as pd
 import pytest
 
 from evaluation.catalogue import MEASURES, tables_of
-from evaluation.claims import ACTION_WORDS, CLAIMS
-from evaluation.claims_page import claims_html, write_claims
+from evaluation.claims.paper import ACTION_WORDS, CLAIMS
+from evaluation.claims.verdicts import description_scores, judge_claims, read_descriptions
 from evaluation.metrics import f1_macro
+from evaluation.pages.claims import claims_html, write_claims
 from evaluation.tables import render
-from evaluation.verdicts import description_scores, judge_claims, read_descriptions
 from tests.evaluation.hand_made import scores_of
 
 SEEDS = 10

@@ -13,7 +13,7 @@ import pytest
 from evaluation.compare import compare
 from evaluation.scores import write_csv
 from tests.evaluation.hand_made import scores_of
-from workflow.provenance import ROOT
+from workflow.artifacts.provenance import ROOT
 
 MEASURES = tuple(f"ARI_{x}" for x in "apoc")
 

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from evaluation.confusion import KEYS, count_confusions, of_method
-from evaluation.figures_of_confusion import confusion_figure
+from evaluation.figures.confusion import confusion_figure
 
 WORDS = {"action": ["reach", "grasp"], "position": ["left"], "object": ["cup"], "color": ["red", "blue"]}
 PAIRS = [("reach", "grasp"), ("reach", "grasp"), ("red", "red"), ("blue", "hello"), ("cup", "red")]

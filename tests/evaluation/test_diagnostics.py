@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from evaluation.diagnostics import diagnose_condition, write_page
-from evaluation.figures_of_chains import chains_figure
+from evaluation.figures.chains import chains_figure
 from features.table import FeatureTable
 from model import Fit, Trials, fit
 

@@ -12,9 +12,10 @@ from matplotlib.patches import Ellipse, Rectangle
 from PIL import Image
 
 from evaluation.best_fit import by_log_joint, title
-from evaluation.figures import PAGE_WIDTH, coarse, picture, position_categories, save_figure, word_distributions
-from evaluation.figures_of_categories import category_crops, typical_first
-from evaluation.figures_of_generation import generated_actions, verdict
+from evaluation.figures.categories import category_crops, typical_first
+from evaluation.figures.drawing import PAGE_WIDTH, coarse, picture, save_figure
+from evaluation.figures.fit import position_categories, word_distributions
+from evaluation.figures.generation import generated_actions, verdict
 from model import Fit
 from tests.synthetic import WORDS
 

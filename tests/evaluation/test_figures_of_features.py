@@ -9,8 +9,8 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
-from evaluation.figures import PAGE_WIDTH
-from evaluation.figures_of_features import features_overview
+from evaluation.figures.drawing import PAGE_WIDTH
+from evaluation.figures.features import features_overview
 from features.overview import Overview
 
 CODEBOOK = np.array([[0, 0, 200], [200, 0, 0], [100, 0, 0]], dtype=np.uint8)

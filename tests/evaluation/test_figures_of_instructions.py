@@ -11,11 +11,11 @@ import pytest
 from matplotlib.container import ErrorbarContainer
 from matplotlib.patches import Rectangle
 
-from evaluation.figures import save_figure
-from evaluation.figures_of_instructions import answers_figure, uncertain_figure
+from evaluation.figures.drawing import save_figure
+from evaluation.figures.instructions import answers_figure, uncertain_figure
 from evaluation.generation import answers, write_distributions
-from evaluation.uncertain import KINDS, instructions
-from evaluation.uncertain_answers import answer_uncertain
+from evaluation.uncertain.answers import answer_uncertain
+from evaluation.uncertain.instructions import KINDS, instructions
 from features.table import FeatureTable, head
 from model import Fit
 from tests.evaluation.conftest import fit_of

@@ -11,9 +11,10 @@ import pandas as pd
 import pytest
 
 from data_collection.limits import is_word
-from evaluation.figures import save_figure, word_distributions
-from evaluation.page import table
-from evaluation.rating_page import write_page
+from evaluation.figures.drawing import save_figure
+from evaluation.figures.fit import word_distributions
+from evaluation.pages.page import table
+from evaluation.pages.ratings import write_page
 from evaluation.scores import write_csv
 from evaluation.table_forms import Grid, text_forms
 from model import Fit

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from evaluation.__main__ import main
-from evaluation.rating_page import write_page
+from evaluation.pages.ratings import write_page
 from evaluation.ratings import (
     FORM_COLUMNS,
     Rating,

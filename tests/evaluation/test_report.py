@@ -10,9 +10,9 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from evaluation import report, report_origins
 from evaluation.catalogue import FIGURES
-from evaluation.page import Part, Section, page
+from evaluation.pages import origins, report
+from evaluation.pages.page import Part, Section, page
 from evaluation.scores import COLUMNS
 from tests.browser import look, needs_chromium
 
@@ -95,9 +95,9 @@ def whole(
         report.tables(tables),
         report.figures(figures, EXPERIMENTS),
         report.diagnostics({"own_D5": CHAINS}),
-        report_origins.settings("own.yaml", {"own": {"words": {"color": ["rouge", "grün"]}, "K": 10}}),
-        report_origins.versions("3.11", {"numpy": "2.0"}, {"code": "0a1b"}),
-        report_origins.reproduction("own.yaml"),
+        origins.settings("own.yaml", {"own": {"words": {"color": ["rouge", "grün"]}, "K": 10}}),
+        origins.versions("3.11", {"numpy": "2.0"}, {"code": "0a1b"}),
+        origins.reproduction("own.yaml"),
     ]
     path = tmp_path / "report.html"
     path.write_text(page("A report", sections), encoding="utf-8")

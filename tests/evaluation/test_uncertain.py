@@ -12,8 +12,7 @@ import pandas as pd
 import pytest
 
 from evaluation.catalogue import TABLE_FORMS
-from evaluation.uncertain import KINDS, OBJECT_CHANNELS, Instruction, Scene, fitting, instructions
-from evaluation.uncertain_answers import (
+from evaluation.uncertain.answers import (
     MEASURES,
     answer_uncertain,
     entropy,
@@ -24,6 +23,7 @@ from evaluation.uncertain_answers import (
     summarise_uncertain,
     write_uncertain,
 )
+from evaluation.uncertain.instructions import KINDS, OBJECT_CHANNELS, Instruction, Scene, fitting, instructions
 from features.table import FeatureTable, head
 from model import Fit
 from model.prediction import Answer, understand

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from data_collection import channels
-from data_collection.mcap_log import Log, Message
-from data_collection.messages import CameraInfo, JointState
+from data_collection.joints import JOINT_NAMES
+from data_collection.log import channels
+from data_collection.log.mcap_log import Log, Message
+from data_collection.log.messages import CameraInfo, JointState
 
 WIDTH, HEIGHT = 320, 240
 TABLE = np.array([242.0, 242.0, 240.0])
@@ -115,7 +116,7 @@ def scene() -> Scene:
     return Scene()
 
 
-JOINTS = len(channels.JOINT_NAMES)
+JOINTS = len(JOINT_NAMES)
 
 
 class Logs:
@@ -145,7 +146,7 @@ class Logs:
         image, one = self.scene.image(solids, noise=1.0), solids[attended]
 
         def joints(values: NDArray[np.float64]) -> JointState:
-            return JointState(channels.JOINT_NAMES, values, np.zeros(0))
+            return JointState(JOINT_NAMES, values, np.zeros(0))
 
         objects = [
             {"object": s.kind, "color": COLOR_WORDS[s.color], "place": "left" if s.y > 0 else "right",

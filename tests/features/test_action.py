@@ -5,7 +5,7 @@ import logging
 import numpy as np
 import pytest
 
-from data_collection.channels import JOINT_NAMES
+from data_collection.joints import JOINT_NAMES
 from features.action import HAND, ActionScale, action_names, fit_action_scale, within_limits
 
 LOWER, UPPER = np.full(25, -0.5), np.linspace(0.5, 1.5, 25)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from data_collection import channels, codec
-from data_collection.mcap_log import Log, LogError, read_log, write_log
+from data_collection.log import channels, codec
+from data_collection.log.mcap_log import Log, LogError, read_log, write_log
 from features.arrays import ArtifactError
 from features.percepts import DetectionError, Percepts, first, join, load_percepts, perceive, save_percepts
 from features.settings import FeatureSettings

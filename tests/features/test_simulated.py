@@ -14,8 +14,8 @@ import pytest
 from sklearn.model_selection import LeaveOneGroupOut, cross_val_predict
 from sklearn.neighbors import KNeighborsClassifier, NearestCentroid
 
-from data_collection.mcap_log import read_log
-from data_collection.trial import Truth, truth
+from data_collection.log.mcap_log import read_log
+from data_collection.log.trial import Truth, truth
 from features.percepts import Percepts, perceive
 from features.settings import FeatureSettings
 from features.table import FeatureTable
@@ -124,7 +124,7 @@ def test_shape_is_told_by_other_objects_of_the_type(measured: Measured, record_p
 COST = """
 import json, sys, time
 from pathlib import Path
-from data_collection.mcap_log import read_log
+from data_collection.log.mcap_log import read_log
 from features.percepts import perceive
 from features.settings import FeatureSettings
 from features.transforms import apply, fit_transforms

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-from workflow.provenance import ROOT
+from workflow.artifacts.provenance import ROOT
 
 SMOKE = ROOT / "config" / "smoke.yaml"
 ARTIFACTS = (".mcap", ".parquet", ".npz", ".csv", ".md", ".tex", ".html", ".png", ".pdf", ".gif")

@@ -19,9 +19,9 @@ from evaluation.catalogue import FIGURES
 from tests.fuzz import FEW, MANY, MUTATIONS, Mutation, examples, mutated
 from tests.synthetic import WORDS
 from tests.workflow.violations import Breaker
-from workflow.config import SCHEMAS, ConfigError, default, key_path, read_config, schema_problems
-from workflow.plan import load_study, plan
-from workflow.study import Study
+from workflow.plan.config import SCHEMAS, ConfigError, default, key_path, read_config, schema_problems
+from workflow.plan.loading import load_study, plan
+from workflow.plan.study import Study
 
 FILE = Path("study.yaml")
 GOOD = (SCHEMAS.parent.parent / "config" / "smoke.yaml").read_bytes()

@@ -15,13 +15,13 @@ from tests.workflow import tiny
 from tests.workflow.disks import change, disk
 from tests.workflow.moments import killed_at_each_step
 from tests.workflow.tiny import files, given, plan
-from workflow import runner
-from workflow.dag import Job
-from workflow.job import recorded
-from workflow.provenance import ROOT
-from workflow.records import DamagedError
-from workflow.store import Store
-from workflow.turns import turn_of_job, turn_of_run
+from workflow.artifacts.provenance import ROOT
+from workflow.artifacts.records import DamagedError
+from workflow.artifacts.store import Store
+from workflow.execution import runner
+from workflow.execution.dag import Job
+from workflow.execution.job import recorded
+from workflow.execution.turns import turn_of_job, turn_of_run
 
 Record = Callable[[str, object], None]
 
@@ -208,7 +208,7 @@ def test_a_file_from_elsewhere_that_changes_between_two_jobs(
 
 def test_a_run_waits_for_the_jobs_of_a_killed_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     job = (
-        "import sys, time, pathlib, workflow.turns as turns\n"
+        "import sys, time, pathlib, workflow.execution.turns as turns\n"
         "out = pathlib.Path(sys.argv[1])\n"
         "with turns.turn_of_job(out):\n"
         "    print('begun', flush=True)\n"

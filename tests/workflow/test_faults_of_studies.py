@@ -19,9 +19,9 @@ import yaml
 from tests.synthetic import write_own_study
 from tests.workflow.disks import change, disk
 from tests.workflow.runs import SMOKE, hashes, jobs, run, start, wait_until
-from workflow.manifest import read_manifest
-from workflow.provenance import ROOT
-from workflow.records import record_path
+from workflow.artifacts.manifest import read_manifest
+from workflow.artifacts.provenance import ROOT
+from workflow.artifacts.records import record_path
 
 pytestmark = pytest.mark.slow
 Record = Callable[[str, object], None]

@@ -18,8 +18,8 @@ import pytest
 
 from tests.synthetic import write_own_study
 from tests.workflow.runs import command, hashes, run
-from workflow import forks
-from workflow.provenance import ROOT
+from workflow.artifacts.provenance import ROOT
+from workflow.execution import forks
 
 SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
 
@@ -86,7 +86,9 @@ def test_what_is_loaded_runs_no_thread() -> None:
     """A fork has the thread that forked only: a lock that another one held would never be released."""
     pins = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA")}
     environment = {**os.environ, **pins, "LOADED_SCRIPTS": os.pathsep.join(map(str, SCRIPTS))}
-    text = "import os, sys, workflow.loaded; print('torch' in sys.modules, len(os.listdir('/proc/self/task')))"
+    text = (
+        "import os, sys, workflow.execution.loaded; print('torch' in sys.modules, len(os.listdir('/proc/self/task')))"
+    )
     line = [sys.executable, "-c", text]
     done = subprocess.run(line, cwd=ROOT, env=environment, capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["True", "1"]

@@ -12,11 +12,11 @@ import pytest
 
 from tests.workflow.tiny import carry_out as carry_out_in
 from tests.workflow.tiny import plan, work
-from workflow.dag import Job, Plan, keys_of
-from workflow.keeping import Keeper
-from workflow.keys import output_key
-from workflow.records import DamagedError, read_record, record_path
-from workflow.store import Store
+from workflow.artifacts.keys import output_key
+from workflow.artifacts.records import DamagedError, read_record, record_path
+from workflow.artifacts.store import Store
+from workflow.execution.dag import Job, Plan, keys_of
+from workflow.execution.keeping import Keeper
 
 Run = Callable[..., list[str]]
 EVERYTHING = ["collect", "fit", "scores"]

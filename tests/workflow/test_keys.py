@@ -16,10 +16,10 @@ import pytest
 import yaml
 from snakemake.iocontainers import InputFiles
 
-from workflow import engine
-from workflow.dag import Job, keys_of
-from workflow.keys import by_role, job_key, output_key, plain
-from workflow.provenance import ROOT
+from workflow.artifacts.keys import by_role, job_key, output_key, plain
+from workflow.artifacts.provenance import ROOT
+from workflow.execution import engine
+from workflow.execution.dag import Job, keys_of
 
 CONFIG = ROOT / "config" / "config.yaml"
 
@@ -167,7 +167,9 @@ class Copy:
     def plan(self, succeeds: bool = True) -> dict[str, str]:
         """The key of each job by its outputs; without success what was printed, as `error`."""
         code = (
-            "import sys, json, pathlib; from workflow.dag import keys_of; from workflow.engine import planned\n"
+            "import sys, json, pathlib\n"
+            "from workflow.execution.dag import keys_of\n"
+            "from workflow.execution.engine import planned\n"
             "jobs = planned(pathlib.Path('config/smoke.yaml'), pathlib.Path('out'))\n"
             "pairs = zip(jobs, keys_of(jobs, str), strict=True)\n"
             "print('KEYS', json.dumps({' '.join(job.outputs.values()): key for job, key in pairs}))"

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from tests.workflow.tiny import carry_out, plan
-from workflow.dag import Plan
-from workflow.explain import explain, output_folder
-from workflow.keeping import Keeper
-from workflow.manifest import read_manifest, verify
-from workflow.store import Store
+from workflow.artifacts.explain import explain, output_folder
+from workflow.artifacts.manifest import read_manifest, verify
+from workflow.artifacts.store import Store
+from workflow.execution.dag import Plan
+from workflow.execution.keeping import Keeper
 
 
 @pytest.fixture

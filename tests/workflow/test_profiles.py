@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from workflow.engine import PROFILES, command_line
-from workflow.provenance import ROOT
+from workflow.artifacts.provenance import ROOT
+from workflow.execution.engine import PROFILES, command_line
 
 CONFIG = ROOT / "config" / "smoke.yaml"
 

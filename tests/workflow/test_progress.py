@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from workflow.dag import Job
-from workflow.job import time_of
-from workflow.progress import Progress, span
+from workflow.execution.dag import Job
+from workflow.execution.job import time_of
+from workflow.execution.progress import Progress, span
 
 
 class Terminal(io.StringIO):

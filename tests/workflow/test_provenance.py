@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from workflow import provenance
-from workflow.provenance import ROOT, imported_files
+from workflow.artifacts import provenance
+from workflow.artifacts.provenance import ROOT, imported_files
 
 SCRIPTS = ROOT / "workflow" / "scripts"
 
@@ -19,10 +19,10 @@ def names(script: str) -> set[str]:
 
 def test_imports_are_followed() -> None:
     fit = names("fit.py")
-    assert {"workflow/scripts/fit.py", "workflow/job.py", "model/__init__.py", "model/blocked.py"} <= fit
+    assert {"workflow/scripts/fit.py", "workflow/execution/job.py", "model/__init__.py", "model/blocked.py"} <= fit
     assert {"features/table.py", "data_collection/seeding.py"} <= fit
     assert not any(name.startswith("evaluation/") for name in fit)
-    assert "evaluation/figures.py" not in names("evaluate_learning.py")
+    assert "evaluation/figures/fit.py" not in names("evaluate_learning.py")
 
 
 @pytest.mark.parametrize("later", ["evaluation", "model"])

@@ -7,10 +7,10 @@ from pathlib import Path
 import yaml
 
 from model import Prior
-from workflow.plan import load_study, plan
-from workflow.provenance import ROOT
-from workflow.settings import complete, origin, portable
-from workflow.versions import pinned_packages, python_version, study_hash
+from workflow.artifacts.provenance import ROOT
+from workflow.artifacts.versions import pinned_packages, python_version, study_hash
+from workflow.plan.loading import load_study, plan
+from workflow.plan.settings import complete, origin, portable
 
 STUDY = ROOT / "config" / "config.yaml"
 

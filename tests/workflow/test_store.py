@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from workflow.keys import job_key
-from workflow.records import Record, content, read_record, records_of_job
-from workflow.store import Store, default_folder, default_limit
+from workflow.artifacts.keys import job_key
+from workflow.artifacts.records import Record, content, read_record, records_of_job
+from workflow.artifacts.store import Store, default_folder, default_limit
 
 OUTPUTS = {"table": "features/t.parquet", "logs": "mcap"}
 
@@ -124,7 +124,7 @@ def test_a_full_disk_leaves_no_half_entry(
         Path(target).write_text("hal")
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("workflow.store.shutil.copyfile", full)
+    monkeypatch.setattr("workflow.artifacts.store.shutil.copyfile", full)
     key, records = made(tmp_path / "out")
     assert not store.put(key, tmp_path / "out", records)
     assert "No space left on device" in caplog.text

@@ -16,7 +16,7 @@ import yaml
 
 from tests.browser import look, needs_chromium
 from tests.workflow.runs import SMOKE, command, hashes, jobs, run
-from workflow.provenance import ROOT
+from workflow.artifacts.provenance import ROOT
 
 pytestmark = pytest.mark.slow
 

@@ -13,14 +13,14 @@ from snakemake.iocontainers import InputFiles, OutputFiles, Params, Wildcards
 
 from features.files import replacing
 from tests.workflow.runs import SMOKE
-from workflow import engine, runner
-from workflow import job as wrapper
-from workflow.dag import Job, Plan
-from workflow.engine import Hooks
-from workflow.keeping import Keeper
-from workflow.manifest import write_manifest
-from workflow.records import FOLDER, DamagedError, remove
-from workflow.store import Store
+from workflow.artifacts.manifest import write_manifest
+from workflow.artifacts.records import FOLDER, DamagedError, remove
+from workflow.artifacts.store import Store
+from workflow.execution import engine, runner
+from workflow.execution import job as wrapper
+from workflow.execution.dag import Job, Plan
+from workflow.execution.engine import Hooks
+from workflow.execution.keeping import Keeper
 
 CODE = "code and lock"
 
@@ -70,7 +70,7 @@ def work(job: Job) -> None:
 
 
 def run(out: Path, store: Store, jobs: list[Job] | None = None, after: Callable[[str], None] | None = None) -> int:
-    """Run the tiny study as `workflow.runner` runs a study; its status.
+    """Run the tiny study as `workflow.execution.runner` runs a study; its status.
 
     Args:
         out: the output folder.

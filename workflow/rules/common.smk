@@ -8,10 +8,10 @@ sys.path.insert(0, str(workflow.basedir))
 
 from snakemake.exceptions import WorkflowError
 
-from workflow.config import ConfigError, origin
-from workflow.provenance import code_hash, lock_hash
-from workflow.plan import plan
-from workflow.study import FIT_PATH, TASKS, averaged_draws, feature_files
+from workflow.plan.config import ConfigError, origin
+from workflow.artifacts.provenance import code_hash, lock_hash
+from workflow.plan.loading import plan
+from workflow.plan.study import FIT_PATH, TASKS, averaged_draws, feature_files
 
 SETS = ("train", "generation", "description")
 

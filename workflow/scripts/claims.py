@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from evaluation.claims_page import write_claims
+from evaluation.claims.verdicts import judge_claims, read_descriptions
+from evaluation.pages.claims import write_claims
 from evaluation.scores import read_scores
-from evaluation.verdicts import judge_claims, read_descriptions
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     scores = read_scores([Path(snakemake.input.scores)])

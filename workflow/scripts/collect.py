@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from data_collection.episode import collect
-from data_collection.mcap_log import write_log
+from data_collection.log.mcap_log import write_log
 from data_collection.settings import Simulation
-from workflow.job import job
-from workflow.provenance import lock_hash
+from workflow.artifacts.provenance import lock_hash
+from workflow.execution.job import job
 
 with job(snakemake):
     logs = collect(

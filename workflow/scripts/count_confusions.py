@@ -6,7 +6,7 @@ import pandas as pd
 
 from evaluation.confusion import count_confusions
 from evaluation.scores import write_csv
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     described = pd.read_csv(snakemake.input[0])

@@ -7,7 +7,7 @@ from evaluation.description import describe_trials, write_descriptions
 from evaluation.scores import score_rows, write_scores
 from features.table import read_table
 from model import load
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=True)

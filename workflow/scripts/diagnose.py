@@ -4,7 +4,7 @@ from pathlib import Path
 
 from evaluation.diagnostics import diagnose_condition, write_page
 from model import load
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     parts = [

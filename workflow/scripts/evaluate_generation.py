@@ -5,7 +5,7 @@ from pathlib import Path
 from evaluation.chance import generation_chance
 from evaluation.generation import measures, read_answers
 from evaluation.scores import score_rows, write_scores
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     rows = []

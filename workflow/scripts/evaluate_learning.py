@@ -6,7 +6,7 @@ from pathlib import Path
 from evaluation.scores import csl_measures, score_rows, write_scores
 from features.table import read_table
 from model import load
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=True)

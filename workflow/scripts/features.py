@@ -6,7 +6,7 @@ from features.percept_data import first, join, load_percepts
 from features.settings import FeatureSettings
 from features.table import write_table
 from features.transforms import apply, fit_transforms, save_transforms, table_metadata
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     weights = {"weights": snakemake.input.weights} if snakemake.input.get("weights") else {}

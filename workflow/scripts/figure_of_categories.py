@@ -4,10 +4,10 @@ from pathlib import Path
 
 from evaluation.best_fit import by_log_joint, title
 from evaluation.catalogue import CATEGORY_FIGURES
-from evaluation.figures import save_figure
-from evaluation.figures_of_categories import category_crops
+from evaluation.figures.categories import category_crops
+from evaluation.figures.drawing import save_figure
 from features.percept_data import first, join, load_percepts
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     best, fit = by_log_joint(Path(path) for path in snakemake.input.fits)[0]

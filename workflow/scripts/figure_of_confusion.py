@@ -5,9 +5,9 @@ from pathlib import Path
 import pandas as pd
 
 from evaluation.confusion import of_method
-from evaluation.figures import save_figure
-from evaluation.figures_of_confusion import confusion_figure
-from workflow.job import job
+from evaluation.figures.confusion import confusion_figure
+from evaluation.figures.drawing import save_figure
+from workflow.execution.job import job
 
 with job(snakemake):
     counts = pd.concat([pd.read_csv(path) for path in snakemake.input], ignore_index=True)

@@ -2,15 +2,15 @@
 
 from pathlib import Path
 
-from data_collection.mcap_log import read_log
-from data_collection.trial import observation
-from evaluation.figures import save_figure
-from evaluation.figures_of_features import IMAGES, features_overview
+from data_collection.log.mcap_log import read_log
+from data_collection.log.trial import observation
+from evaluation.figures.drawing import save_figure
+from evaluation.figures.features import IMAGES, features_overview
 from features.overview import overview
 from features.percept_data import first, join, load_percepts
 from features.table import read_table
 from features.transforms import load_transforms
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     names, D = snakemake.wildcards, snakemake.params.D

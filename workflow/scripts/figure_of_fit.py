@@ -3,8 +3,9 @@
 from pathlib import Path
 
 from evaluation.best_fit import by_log_joint, title
-from evaluation.figures import position_categories, save_figure, word_distributions
-from workflow.job import job
+from evaluation.figures.drawing import save_figure
+from evaluation.figures.fit import position_categories, word_distributions
+from workflow.execution.job import job
 
 with job(snakemake):
     best, fit = by_log_joint(Path(path) for path in snakemake.input.fits)[0]

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from data_collection.mcap_log import read_log
+from data_collection.log.mcap_log import read_log
+from data_collection.log.trial import observation
 from data_collection.show import animation, save_gif
-from data_collection.trial import observation
 from evaluation.best_fit import by_log_joint, title
-from evaluation.figures import save_figure
-from evaluation.figures_of_generation import generated_actions, shown_action
+from evaluation.figures.drawing import save_figure
+from evaluation.figures.generation import generated_actions, shown_action
 from evaluation.generation import read_answers
-from workflow.job import job
+from workflow.execution.job import job
 
 WIDTH, HEIGHT, EVERY, RATE = 400, 300, 2, 8.0
 

@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from evaluation.best_fit import by_log_joint, title
-from evaluation.figures import save_figure
-from evaluation.figures_of_instructions import answers_figure
+from evaluation.figures.drawing import save_figure
+from evaluation.figures.instructions import answers_figure
 from features.table import read_table
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     best, fit = by_log_joint(Path(path) for path in snakemake.input.fits)[0]

@@ -6,7 +6,7 @@ from data_collection.seeding import generator
 from features.table import read_table
 from model import Prior, Settings, Trials, fit, save
 from model.omission import kept_words
-from workflow.job import job
+from workflow.execution.job import job
 
 BOXES = {"position": (-0.5, 0.5)}
 

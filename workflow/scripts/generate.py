@@ -3,17 +3,17 @@
 from pathlib import Path
 
 from data_collection.episode import execute
-from data_collection.mcap_log import write_log
+from data_collection.log.mcap_log import write_log
+from data_collection.log.trial import truth
 from data_collection.seeding import generator
 from data_collection.settings import Simulation
-from data_collection.trial import truth
 from evaluation.generation import answers, commands, write_answers, write_distributions
 from features.percept_data import join, load_percepts
 from features.table import read_table
 from features.transforms import load_transforms
 from model import load
-from workflow.job import job
-from workflow.provenance import lock_hash
+from workflow.artifacts.provenance import lock_hash
+from workflow.execution.job import job
 
 with job(snakemake):
     names, params = snakemake.wildcards, snakemake.params

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from features.table import head, read_table, write_table
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     train = snakemake.wildcards.set == "train"

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from data_collection.mcap_log import read_log
+from data_collection.log.mcap_log import read_log
 from features.percept_data import save_percepts
 from features.percepts import perceive
 from features.settings import FeatureSettings
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     weights = {"weights": snakemake.input.weights} if snakemake.input.get("weights") else {}

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import cv2
 
-from data_collection.mcap_log import read_log
+from data_collection.log.mcap_log import read_log
 from data_collection.settings import Simulation
 from data_collection.show import contact_sheet, gallery, save_png
-from evaluation.figures import coarse, picture, save_figure
-from workflow.job import job
+from evaluation.figures.drawing import coarse, picture, save_figure
+from workflow.execution.job import job
 
 with job(snakemake):
     logs = [read_log(Path(path)) for path in snakemake.input]

@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from evaluation.catalogue import TABLE_FORMS
-from evaluation.figures import save_figure
-from evaluation.figures_of_instructions import uncertain_figure
-from evaluation.uncertain_answers import of_condition, read_uncertain, render_uncertain
-from workflow.job import job
+from evaluation.figures.drawing import save_figure
+from evaluation.figures.instructions import uncertain_figure
+from evaluation.uncertain.answers import of_condition, read_uncertain, render_uncertain
+from workflow.execution.job import job
 
 with job(snakemake):
     answered = read_uncertain([Path(path) for path in snakemake.input])

@@ -2,15 +2,15 @@
 
 from pathlib import Path
 
-from data_collection.mcap_log import read_log
+from data_collection.log.mcap_log import read_log
 from data_collection.seeding import generator
 from data_collection.show import brief, save_gif
 from evaluation.best_fit import by_log_joint
 from evaluation.generation import read_answers
-from evaluation.rating_page import write_page
+from evaluation.pages.ratings import write_page
 from evaluation.ratings import make_key, write_form
 from evaluation.scores import write_csv
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     names, params = snakemake.wildcards, snakemake.params

@@ -5,32 +5,32 @@ from pathlib import Path
 
 import pandas as pd
 
-from evaluation import report, report_origins
-from evaluation.page import page
+from evaluation.pages import origins, report
+from evaluation.pages.page import page
 from evaluation.scores import read_scores
 from features.files import replacing
 from features.table import read_metadata
-from workflow.job import job
-from workflow.settings import complete, origin
+from workflow.execution.job import job
+from workflow.plan.settings import complete, origin
 
 with job(snakemake):
     files, params = snakemake.input, snakemake.params
     tables, figures = [Path(path) for path in files.tables], [Path(path) for path in files.figures]
     texts = [pd.read_csv(path, dtype=str, keep_default_na=False) for path in files.claims]
     chains = {Path(path).stem: pd.read_csv(path) for path in files.diagnostics}
-    origins = {name: origin(own) for name, own in params.experiments.items()}
+    from_where = {name: origin(own) for name, own in params.experiments.items()}
     shown = {path.stem for path in tables}
     made = {name: read_metadata(path) for name, path in zip(params.droppable, files.droppable, strict=True)}
     dropped = {name: json.loads(told.get("dropped", "[]")) for name, told in made.items()}
     sections = [
-        report.about(params.config, origins, read_scores([Path(files.scores)]), dropped),
+        report.about(params.config, from_where, read_scores([Path(files.scores)]), dropped),
         *([report.claims(texts[0], texts[1] if len(texts) > 1 else None, shown)] if texts else []),
         report.tables(tables),
         report.figures(figures, params.experiments),
         report.diagnostics(chains),
-        report_origins.settings(params.config, {name: complete(own) for name, own in params.experiments.items()}),
-        report_origins.versions(params.python, params.packages, params.hashes),
-        report_origins.reproduction(params.config),
+        origins.settings(params.config, {name: complete(own) for name, own in params.experiments.items()}),
+        origins.versions(params.python, params.packages, params.hashes),
+        origins.reproduction(params.config),
     ]
     with replacing(Path(snakemake.output[0])) as (temporary,):
         temporary.write_text(page("Cross-situational learning: the study", sections), encoding="utf-8")

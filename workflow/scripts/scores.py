@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from evaluation.scores import join_scores
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     join_scores([Path(path) for path in snakemake.input], Path(snakemake.output[0]))

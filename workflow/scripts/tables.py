@@ -4,7 +4,7 @@ from pathlib import Path
 
 from evaluation.scores import read_scores
 from evaluation.tables import render
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     scores = read_scores([Path(snakemake.input[0])])

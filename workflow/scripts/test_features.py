@@ -5,7 +5,7 @@ from pathlib import Path
 from features.percept_data import join, load_percepts
 from features.table import write_table
 from features.transforms import apply, load_transforms, table_metadata
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     transforms = load_transforms(Path(snakemake.input.transforms))

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from evaluation.uncertain import instructions
-from evaluation.uncertain_answers import answer_uncertain, write_uncertain
+from evaluation.uncertain.answers import answer_uncertain, write_uncertain
+from evaluation.uncertain.instructions import instructions
 from features.table import read_table
 from model import load
-from workflow.job import job
+from workflow.execution.job import job
 
 with job(snakemake):
     table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=False)

@@ -1,0 +1,189 @@
+"""Reading and writing logs: MCAP files, ROS 2 profile, every byte under a checksum."""
+
+import os
+import tempfile
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO
+
+from mcap.records import Channel as ChannelRecord
+from mcap.records import Message as MessageRecord
+from mcap.records import Metadata, Schema
+from mcap.writer import Writer
+
+from data_collection.limits import MAX_IMAGE_BYTES, MAX_LOG_BYTES, MAX_MESSAGE_BYTES, MAX_MESSAGES
+from data_collection.log import codec
+from data_collection.log.channels import BY_TOPIC, IMAGE
+from data_collection.log.mcap_records import DamageError, records
+from data_collection.log.messages import Value
+
+METADATA_NAME = "cross_situational_learning"
+_LIBRARY = "cross-situational-learning"
+
+
+class LogError(ValueError):
+    """A log is damaged, incomplete or holds a bad value; the text names file, topic, time and reason."""
+
+
+@dataclass(frozen=True)
+class Message:
+    """One message.
+
+    Attributes:
+        topic: Topic in ``CHANNELS``.
+        time: Log time, nanoseconds.
+        value: Decoded value: number, array, text, ``JointState``, ``CameraInfo``, transforms.
+    """
+
+    topic: str
+    time: int
+    value: Value
+
+
+@dataclass(frozen=True)
+class Log:
+    """Content of a log file.
+
+    Attributes:
+        metadata: Text by key: seed, experiment, set, trial, settings, hashes, joint names, units.
+        messages: In time order.
+        source: Where it was read from, for messages of errors; not part of the content.
+    """
+
+    metadata: Mapping[str, str]
+    messages: tuple[Message, ...]
+    source: str = field(default="log", compare=False)
+
+
+def write_log(path: Path, log: Log) -> None:
+    """Write ``log``; the same log gives the same bytes, and the file appears only when it is complete.
+
+    Raises:
+        LogError: A message is on a topic that ``CHANNELS`` has not, or out of time order.
+    """
+    times = [message.time for message in log.messages]
+    if times != sorted(times):
+        raise LogError(f"{path}: messages are not in time order")
+    unknown = {message.topic for message in log.messages} - set(BY_TOPIC)
+    if unknown:
+        raise LogError(f"{path}: topics that are not in the table of channels: {sorted(unknown)}")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    descriptor, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+    try:
+        with os.fdopen(descriptor, "wb") as stream:
+            _write(stream, log)
+            stream.flush()
+            os.fsync(stream.fileno())
+        Path(name).chmod(0o644)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def read_log(path: Path) -> Log:
+    """Read a log with every checksum checked; topics that are not in ``CHANNELS`` are passed over.
+
+    Messages come in order of time, whatever their order in the file.
+
+    Raises:
+        LogError: The file is missing, truncated, damaged, too large or no MCAP, or a topic is not of its type in
+            ``CHANNELS``, or comes again where it may come once.
+    """
+    try:
+        if not path.is_file():
+            raise LogError(f"{path}: there is no such file")
+        with path.open("rb") as stream:
+            content = stream.read(MAX_LOG_BYTES + 1)
+        if len(content) > MAX_LOG_BYTES:
+            raise LogError(f"{path}: larger than {MAX_LOG_BYTES:,} bytes, the most that is read")
+        return _read(content, str(path))
+    except LogError:
+        raise
+    except DamageError as error:
+        raise LogError(f"{path}: {error}") from error
+    except Exception as error:  # damaged bytes surface as struct, zstd, unicode, key, memory, … errors
+        raise LogError(f"{path}: damaged or not an MCAP log ({type(error).__name__}: {error})") from error
+
+
+def _write(stream: IO[bytes], log: Log) -> None:
+    writer = Writer(stream, enable_crcs=True, enable_data_crcs=True)
+    writer.start(profile="ros2", library=_LIBRARY)
+    ids: dict[str, int] = {}
+    schemas: dict[str, int] = {}
+    sequence: dict[str, int] = {}
+    for message in log.messages:
+        topic, form = message.topic, BY_TOPIC[message.topic].value
+        if form.type not in schemas:
+            schemas[form.type] = writer.register_schema(form.type, "ros2msg", codec.definition(form.type))
+        if topic not in ids:
+            ids[topic] = writer.register_channel(topic, "cdr", schemas[form.type])
+        sequence[topic] = sequence.get(topic, -1) + 1
+        writer.add_message(
+            channel_id=ids[topic],
+            log_time=message.time,
+            publish_time=message.time,
+            sequence=sequence[topic],
+            data=codec.encode(form.type, message.value, message.time, form.frame),
+        )
+    writer.add_metadata(METADATA_NAME, dict(sorted(log.metadata.items())))
+    writer.finish()
+
+
+def _read(content: bytes, source: str) -> Log:
+    schemas: dict[int, Schema] = {}
+    channels: dict[int, ChannelRecord] = {}
+    metadata: dict[str, str] = {}
+    raw: list[tuple[int, str, bytes]] = []
+    counts: Counter[str] = Counter()
+    for record in records(content):
+        match record:
+            case Schema():
+                if schemas.setdefault(record.id, record) != record:
+                    raise LogError(f"{source}: schema {record.id} is defined twice, in different ways")
+            case ChannelRecord():
+                if channels.setdefault(record.id, record) != record:
+                    raise LogError(f"{source}: channel {record.id} is defined twice, in different ways")
+            case Metadata() if record.name == METADATA_NAME:
+                metadata = dict(record.metadata)
+            case MessageRecord():
+                time, channel = record.log_time, channels.get(record.channel_id)
+                if channel is None:
+                    raise LogError(f"{source}: a message at {time} ns is on channel {record.channel_id}, not defined")
+                if channel.topic in BY_TOPIC:
+                    counts[channel.topic] += 1
+                    schema = schemas.get(channel.schema_id)
+                    if reason := _unfit(record.data, channel, schema, counts):
+                        raise LogError(f"{source}: {channel.topic} at {time} ns {reason}")
+                    raw.append((time, channel.topic, record.data))
+    raw.sort(key=lambda item: item[0])
+    return Log(metadata, tuple(_decode(source, *item) for item in raw), source)
+
+
+def _unfit(data: bytes, record: ChannelRecord, schema: Schema | None, counts: Counter[str]) -> str | None:
+    """Return why a message on a topic of ``CHANNELS`` is not even decoded, or None."""
+    channel = BY_TOPIC[record.topic]
+    if schema is None or schema.name != channel.value.type:
+        return f"is of type {schema.name if schema else 'unknown'}, {channel.value.type} is expected"
+    if (record.message_encoding, schema.encoding) != ("cdr", "ros2msg"):
+        return (
+            f"is encoded as {record.message_encoding!r} with schema {schema.encoding!r}, cdr and ros2msg are expected"
+        )
+    limit = MAX_IMAGE_BYTES if channel.value.type == IMAGE else MAX_MESSAGE_BYTES
+    if len(data) > limit:
+        return f"has {len(data):,} bytes, at most {limit:,} are read"
+    if channel.once and counts[channel.topic] > 1:
+        return "comes again, once is expected"
+    if counts.total() > MAX_MESSAGES:
+        return f"is one of more than {MAX_MESSAGES:,} messages, the most that are read"
+    return None
+
+
+def _decode(source: str, time: int, topic: str, data: bytes) -> Message:
+    try:
+        return Message(topic, time, codec.decode(BY_TOPIC[topic].value.type, data))
+    except Exception as error:
+        reason = str(error) or type(error).__name__
+        raise LogError(f"{source}: {topic} at {time} ns cannot be decoded ({reason})") from error

@@ -1,0 +1,217 @@
+"""What one log says, as typed views; features never touch topics."""
+
+import json
+import operator
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+
+from data_collection.limits import WORD_RULE, is_word
+from data_collection.log import channels
+from data_collection.log.channels import LogKind
+from data_collection.log.mcap_log import Log, LogError
+from data_collection.log.messages import CameraInfo, Floats, Image, JointState, Value
+from data_collection.log.validation import kind_of, problems
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What the robot itself perceives, does and hears in a trial. Nothing here is made from a truth topic.
+
+    Attributes:
+        trial: Number from 1.
+        image_before: (H, W, 3) uint8 RGB, rest posture, before the action.
+        image_gaze: Likewise while looking at the object; None in an instruction, where nothing was done yet.
+        image_after: Likewise when the action is over; None in an instruction.
+        camera: Intrinsics as the robot knows them.
+        joint_names: The 25 names: head 6, right arm 16 (7 of the arm, 9 of the hand), torso 3.
+        joint_positions: (25,) radians at the end of the action.
+        joint_lower: (25,) lower limits, radians.
+        joint_upper: (25,) upper limits, radians.
+        tactile: (9,) in 0..1 at the end of the action: five fingertips, four palm patches.
+        hand_position: (3,) of the grasp point, metres, robot frame, at the end of the action.
+        finger_rate: Commanded bend of the fingers, 0 open .. 1 closed; 0 in an instruction.
+        gaze_target: (2,) commanded fixation point, metres ahead and left; None in an instruction.
+        words: The sentence as uttered, may be empty.
+    """
+
+    trial: int
+    image_before: Image
+    image_gaze: Image | None
+    image_after: Image | None
+    camera: CameraInfo
+    joint_names: tuple[str, ...]
+    joint_positions: Floats
+    joint_lower: Floats
+    joint_upper: Floats
+    tactile: Floats
+    hand_position: Floats
+    finger_rate: float
+    gaze_target: Floats | None
+    words: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What the simulator, or whoever annotated the log, knows; for evaluation only.
+
+    Attributes:
+        object_words: Word of the object channel of each of the M objects.
+        color_words: Word of the color channel of each.
+        place_words: Word of the position channel of each.
+        positions: (M, 2) metres ahead and left, before the action.
+        attended: Index of the object that was acted on, or that the instruction means.
+        action_word: Word for what happened, or what the instruction demands.
+        outcome: What physically happened: ``action``, ``contact``, ``held``, ``rise``, ``hand_error``, ``toppled``;
+            in an instruction only ``action`` and ``word``.
+    """
+
+    object_words: tuple[str, ...]
+    color_words: tuple[str, ...]
+    place_words: tuple[str, ...]
+    positions: Floats
+    attended: int
+    action_word: str
+    outcome: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """How the camera sees the table.
+
+    Attributes:
+        image_empty: (H, W, 3) uint8 RGB, the empty table from the rest posture.
+        image_marks: Likewise with dark dots on it.
+        mark_positions: (N, 2) measured centres of the dots, metres ahead and left, N = rows · columns: rows
+            from far (top of the image) to near, each from left to right as seen in the image.
+        mark_rows: Rows of the grid.
+        mark_columns: Dots in a row.
+        table_height: Height of the table in the robot frame, metres.
+        camera: Intrinsics as the robot knows them.
+    """
+
+    image_empty: Image
+    image_marks: Image
+    mark_positions: Floats
+    mark_rows: int
+    mark_columns: int
+    table_height: float
+    camera: CameraInfo
+
+
+def observation(log: Log) -> Observation:
+    """Return what the robot perceives in a log of a trial or of an instruction.
+
+    Raises:
+        LogError: Lists every missing topic and every bad value.
+    """
+    kind = kind_of(log)
+    last = _last(log, kind)
+    if kind == "calibration":
+        raise LogError(f"{log.source}: this is a calibration log, not one of a trial")
+    joints, lower, upper = (
+        _typed(last, topic, JointState)
+        for topic in (channels.JOINT_STATES, channels.JOINT_LOWER, channels.JOINT_UPPER)
+    )
+    gaze = last.get(channels.GAZE_TARGET)
+    return Observation(
+        trial=int(log.metadata["trial"]),
+        image_before=_typed(last, channels.IMAGE_BEFORE, np.ndarray),
+        image_gaze=last.get(channels.IMAGE_GAZE),  # type: ignore[arg-type]
+        image_after=last.get(channels.IMAGE_AFTER),  # type: ignore[arg-type]
+        camera=_typed(last, channels.CAMERA, CameraInfo),
+        joint_names=joints.names,
+        joint_positions=joints.position,
+        joint_lower=lower.position,
+        joint_upper=upper.position,
+        tactile=_typed(last, channels.TACTILE, np.ndarray),
+        hand_position=_typed(last, channels.HAND_POSE, np.ndarray)[:3],
+        finger_rate=float(last.get(channels.FINGER_RATE, 0.0)),  # type: ignore[arg-type]
+        gaze_target=None if gaze is None else np.asarray(gaze, dtype=np.float64)[:2],
+        words=tuple(_typed(last, channels.SENTENCE, str).split()),
+    )
+
+
+def truth(log: Log) -> Truth | None:
+    """Return the truth of a log, or None when it has no truth topics.
+
+    Raises:
+        LogError: The log is invalid, or has only some of the truth.
+    """
+    last = _last(log, kind_of(log))
+    scene, outcome = last.get(channels.TRUTH_SCENE), last.get(channels.TRUTH_OUTCOME)
+    if scene is None and outcome is None:
+        return None
+    if not isinstance(scene, str) or not isinstance(outcome, str):
+        missing = channels.TRUTH_OUTCOME if outcome is None else channels.TRUTH_SCENE
+        raise LogError(f"{log.source}: {missing} is missing while other truth is there")
+    try:
+        known, happened = json.loads(scene), json.loads(outcome)
+        objects = known["objects"]
+        result = Truth(
+            object_words=tuple(_word(item["object"]) for item in objects),
+            color_words=tuple(_word(item["color"]) for item in objects),
+            place_words=tuple(_word(item["place"]) for item in objects),
+            positions=np.array([item["position"] for item in objects], dtype=np.float64).reshape(-1, 2),
+            attended=operator.index(known["attended"]),
+            action_word=_word(happened["word"]),
+            outcome=happened,
+        )
+        if not np.isfinite(result.positions).all():
+            raise ValueError("a position is not finite")
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        raise LogError(
+            f"{log.source}: {channels.TRUTH_SCENE} or {channels.TRUTH_OUTCOME} is not as documented "
+            f"({type(error).__name__}: {error})"
+        ) from error
+    if not 0 <= result.attended < len(objects):
+        raise LogError(
+            f"{log.source}: {channels.TRUTH_SCENE}: attended is {result.attended}, there are {len(objects)} objects"
+        )
+    return result
+
+
+def _word(value: Any) -> str:
+    """Return a word; raises ValueError when it is none."""
+    if not (isinstance(value, str) and is_word(value)):
+        raise ValueError(f"{str(value)[:60]!r} is no word ({WORD_RULE})")
+    return value
+
+
+def calibration(log: Log) -> Calibration:
+    """Return the content of a calibration log.
+
+    Raises:
+        LogError: Lists every missing topic and every bad value, also when the log is one of a trial.
+    """
+    last = _last(log, "calibration")
+    poses = _typed(last, channels.CALIBRATION_POSITIONS, np.ndarray)
+    pattern = json.loads(_typed(last, channels.CALIBRATION_PATTERN, str))
+    return Calibration(
+        image_empty=_typed(last, channels.CALIBRATION_EMPTY, np.ndarray),
+        image_marks=_typed(last, channels.CALIBRATION_MARKS, np.ndarray),
+        mark_positions=poses[:, :2],
+        mark_rows=int(pattern["rows"]),
+        mark_columns=int(pattern["columns"]),
+        table_height=float(np.median(poses[:, 2])),
+        camera=_typed(last, channels.CAMERA, CameraInfo),
+    )
+
+
+def _last(log: Log, kind: LogKind) -> dict[str, Value]:
+    """Return the last value on each topic, after the whole log was checked."""
+    found = problems(log, kind)
+    if found:
+        raise LogError("\n".join(found))
+    return {message.topic: message.value for message in log.messages}
+
+
+def _typed(last: Mapping[str, Value], topic: str, kind: type[T]) -> T:
+    value = last[topic]
+    if not isinstance(value, kind):
+        raise LogError(f"{topic} holds a {type(value).__name__}")
+    return value

@@ -1,0 +1,1 @@
+"""Every figure. Nothing outside of this folder imports matplotlib."""

@@ -1,0 +1,71 @@
+"""What the robot saw of the objects in each category of a fit (Figures 4C, 4D, 8C and 8D of the paper)."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from evaluation.figures.drawing import PAGE_WIDTH, STYLE, coarse
+from evaluation.figures.fit import category_label
+from model import Fit
+
+CROPS_A_ROW = 12
+GAP = 4
+"""White pixels between crops."""
+
+
+def typical_first(fit: Fit, channel: str) -> dict[int, NDArray[np.int64]]:
+    """The elements (objects) of each category in use of a channel, nearest to the category's mean first.
+
+    Nearness is the Mahalanobis distance to the category's Gaussian.
+    """
+    c = [own.name for own in fit.trials.channels].index(channel)
+    z, features = fit.state.z[c], fit.trials.channels[c].features
+    ordered = {}
+    for k in np.unique(z).tolist():
+        own = np.flatnonzero(z == k)
+        white = np.linalg.solve(fit.state.factor[c][k], (features[own] - fit.state.mean[c][k]).T)
+        ordered[k] = own[np.argsort(np.linalg.norm(white, axis=0), kind="stable")]
+    return ordered
+
+
+def category_crops(fit: Fit, channel: str, crops: NDArray[np.uint8], title: str) -> Figure:
+    """Draw the most typical crops of each category in use, a row a category.
+
+    Args:
+        fit: the fit.
+        channel: `object` or `color`.
+        crops: (N, H, W, 3) uint8 RGB, of the N objects of the fit's trials, in their order.
+        title: experiment and condition.
+
+    Raises:
+        ValueError: there is not one crop for each object.
+    """
+    c = [own.name for own in fit.trials.channels].index(channel)
+    if len(crops) != len(fit.state.z[c]):
+        raise ValueError(f"{len(crops)} crops of {len(fit.state.z[c])} objects; expected one for each object")
+    rows = typical_first(fit, channel)
+    cell = crops.shape[1] + GAP
+    sheet = np.full((len(rows) * cell, CROPS_A_ROW * cell, 3), 255, dtype=np.uint8)
+    for i, own in enumerate(rows.values()):
+        for j, n in enumerate(own[:CROPS_A_ROW]):
+            sheet[i * cell : (i + 1) * cell - GAP, j * cell : (j + 1) * cell - GAP] = coarse(crops[n])
+    middles = cell * np.arange(len(rows)) + (cell - GAP) / 2
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(PAGE_WIDTH, 0.7 + 0.46 * len(rows)), layout="constrained")
+        axes = figure.subplots()
+        axes.imshow(sheet, interpolation="nearest")
+        axes.spines[:].set_visible(False)
+        axes.tick_params(length=0)
+        axes.set_xticks([])
+        axes.set_yticks(middles, [category_label(fit, c, i, k) for i, k in enumerate(rows)])
+        counts = axes.secondary_yaxis("right")
+        counts.spines[:].set_visible(False)
+        counts.tick_params(length=0)
+        counts.set_yticks(middles, [f"{len(own)}" for own in rows.values()])
+        axes.set_title(
+            f"{channel.capitalize()} categories: crops, most typical first, and number of objects\n{title}"
+        )
+    return figure

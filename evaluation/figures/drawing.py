@@ -1,0 +1,62 @@
+"""What all figures share: their width and style, and how they are saved."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from PIL import Image
+
+from features.files import replacing
+
+PAGE_WIDTH = 7.0
+"""Width of a figure, inches; at this width no letter is smaller than 7 points."""
+DPI = 180
+STYLE: Any = {
+    "font.size": 8,
+    "axes.titlesize": 9,
+    "figure.titlesize": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    # Text stays text, so that a PDF can be searched.
+    "pdf.fonttype": 42,
+    # A word with two dollar signs is no formula.
+    "text.parse_math": False,
+}
+
+
+def picture(image: NDArray[np.uint8]) -> Figure:
+    """A figure that is one image, (H, W, 3) RGB, over the whole width of a page."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(PAGE_WIDTH, PAGE_WIDTH * image.shape[0] / image.shape[1]))
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set_axis_off()
+        axes.imshow(coarse(image))
+    return figure
+
+
+def save_figure(figure: Figure, *paths: Path) -> None:
+    """Write a figure as PNG or PDF, by the ending of each path; the same figure gives the same bytes.
+
+    A PNG has 64 shades of each of red, green and blue: nobody sees the difference, but noise in photographs takes
+    half the room.
+    """
+    for path in paths:
+        with replacing(path) as (temporary,):
+            if path.suffix == ".pdf":
+                figure.savefig(temporary, dpi=DPI, format="pdf", metadata={"CreationDate": None})
+                continue
+            drawn = BytesIO()
+            figure.savefig(drawn, dpi=DPI, format="png")
+            shades = coarse(np.asarray(Image.open(drawn).convert("RGB")))
+            Image.fromarray(shades).save(temporary, format="PNG", optimize=True)
+
+
+def coarse(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """An image with 64 shades a channel, black and white kept."""
+    return np.rint(np.rint(image / 255.0 * 63.0) / 63.0 * 255.0).astype(np.uint8)

@@ -1,0 +1,69 @@
+"""What the robot did when it was told to, in the style of the paper's Figures 5 and 9."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import cv2
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from data_collection.log.mcap_log import Log
+from data_collection.log.messages import Image
+from data_collection.log.trial import truth
+from evaluation.figures.drawing import DPI, PAGE_WIDTH, STYLE, coarse
+
+COLUMNS = 3
+RIGHT, WRONG = "#1b7837", "#c1272d"
+
+
+def generated_actions(answered: pd.DataFrame, pictures: Sequence[tuple[Image, Image]], title: str) -> Figure:
+    """Draw each instruction with the scene before and after the action, and the tutor's word for what happened.
+
+    Args:
+        answered: the answers of one fit, as `evaluation.generation.read_answers` gives them.
+        pictures: (H, W, 3) RGB before and after, of each answer.
+        title: experiment and condition.
+    """
+    rows = -(-len(pictures) // COLUMNS)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(PAGE_WIDTH, 0.6 + 1.2 * rows), layout="constrained")
+        figure.suptitle(f"Instructions carried out: before, after, and what the tutor saw\n{title}")
+        grid: Any = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
+        for axes in grid:
+            axes.set_axis_off()
+        for axes, answer, (before, after) in zip(grid, answered.itertuples(), pictures, strict=False):
+            axes.imshow(_side_by_side(before, after), interpolation="nearest")
+            axes.set_title(f"{answer.trial}. “{answer.instruction}”", fontsize=8, loc="left", pad=3)
+            text, shade = verdict(str(answer.action), str(answer.judged), float(str(answer.object_right)))
+            axes.text(0.0, -0.03, text, transform=axes.transAxes, va="top", fontsize=7, color=shade)
+    return figure
+
+
+def verdict(asked: str, judged: str, object_right: float) -> tuple[str, str]:
+    """What is written under an action, and in which color: whether word and object are right."""
+    word = f"{judged}: right word" if judged == asked else f"{judged}: not {asked}"
+    thing = {1.0: "right object", 0.0: "wrong object"}.get(object_right, "object chosen among equals")
+    return f"{word}, {thing}", RIGHT if judged == asked and object_right == 1.0 else WRONG
+
+
+def shown_action(answered: pd.DataFrame, logs: Sequence[Log]) -> int:
+    """Which action is animated: the first with the right word and object in which the hand moved; else the first."""
+    right = (answered["action"] == answered["judged"]) & (answered["object_right"] == 1.0)
+    for i, log in enumerate(logs):
+        happened = truth(log)
+        if right.iloc[i] and happened is not None and happened.outcome["action"] != "look-at":
+            return i
+    return 0
+
+
+def _side_by_side(before: Image, after: Image) -> Image:
+    """Both pictures, as small as they will be printed."""
+    width = int(DPI * PAGE_WIDTH / COLUMNS / 2 * 0.96)
+    size = (width, round(width * before.shape[0] / before.shape[1]))
+    small = [np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8) for image in (before, after)]
+    gap = np.full((size[1], 4, 3), 255, dtype=np.uint8)
+    return coarse(np.hstack([small[0], gap, small[1]]))

@@ -1,0 +1,73 @@
+"""The sections of a study's report that say how its results were made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from html import escape
+from typing import Any
+
+import pandas as pd
+import yaml
+
+from evaluation.pages.page import Part, Section, table
+
+
+def settings(config: str, experiments: Mapping[str, Mapping[str, Any]]) -> Section:
+    """Every setting of every experiment, defaults included.
+
+    Args:
+        config: name of the config file.
+        experiments: the settings by experiment, plain data.
+    """
+    parts = tuple(
+        Part(
+            f"settings_{name}",
+            name,
+            f"<pre>{escape(_yaml(own))}</pre>",
+        )
+        for name, own in experiments.items()
+    )
+    return Section(
+        "settings",
+        "Settings",
+        f"<p>What <code>{escape(config)}</code> says, and the defaults of what it leaves open.</p>",
+        parts,
+    )
+
+
+def _yaml(content: Mapping[str, Any]) -> str:
+    """Plain data as YAML that reads like a config: lists and innermost mappings on one line."""
+    return str(yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True, width=100, default_flow_style=None))
+
+
+def versions(python: str, packages: Mapping[str, str], hashes: Mapping[str, str]) -> Section:
+    """What the numbers were computed with.
+
+    Args:
+        python: the version of Python.
+        packages: the pinned version of each package that the project asks for.
+        hashes: sha256 of what else decides about the results, by what it is.
+    """
+    pinned = pd.DataFrame([("Python", python), *packages.items()], columns=["package", "version"])
+    digests = pd.DataFrame(list(hashes.items()), columns=["of", "sha256"])
+    return Section("versions", "Versions", table(pinned) + table(digests, _code))
+
+
+def _code(column: str, value: object) -> str:
+    return f"<code>{escape(str(value))}</code>" if column == "sha256" else escape(str(value))
+
+
+def reproduction(config: str) -> Section:
+    """How to get all this again.
+
+    Args:
+        config: the config file, as `make` is told.
+    """
+    text = (
+        f"<p>With the code and the environment that <a href='#versions'>Versions</a> names:</p>\n"
+        f"<pre>make study CONFIG={escape(config)}</pre>\n"
+        f"<p>gives every file again, this page included, with any number of cores. Each number can be followed: a "
+        f"table is made of <a href='scores.csv'>scores.csv</a>, a row of that of one fit below <code>fits/</code>, a "
+        f"fit of a table below <code>features/</code>, and a simulated one of logs below <code>mcap/</code>.</p>"
+    )
+    return Section("reproduction", "How to reproduce it", text)

@@ -1,0 +1,113 @@
+"""The manifest of a finished study: every artifact with its checksum and all that made it; and its verification."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from features.files import replacing
+from workflow.artifacts.records import FOLDER, Content, Record, await_record, contents
+
+MANIFEST = "manifest.json"
+# What stands in an output folder beside artifacts: notes of runs, what is committed, measurements of speed.
+NO_ARTIFACTS = ("joblogs", "reference", "bench", MANIFEST)
+
+
+def write_manifest(out: Path, artifacts: Mapping[str, str], patience: float = 30.0) -> None:
+    """Gather the records of artifacts in one file, in the order of their paths.
+
+    Args:
+        out: the output folder.
+        artifacts: the planned key of each by its path.
+        patience: seconds to wait for records that other machines wrote, which a shared file system may show late.
+
+    Raises:
+        ValueError: an artifact has no record, or was made of something else than planned.
+    """
+    entries = {}
+    unplanned = []
+    until = time.monotonic() + patience
+    for path in sorted(artifacts):
+        record = await_record(out, path, until - time.monotonic())
+        if record is None:
+            raise ValueError(f"{path}: nothing says what made it (does its script run in `with job(snakemake)`?)")
+        entries[path] = record.mapping()
+        unplanned += [path] if record.key != artifacts[path] else []
+    if unplanned:
+        raise ValueError(
+            f"a file, a setting or code changed while the study ran: {len(unplanned)} artifacts are made of "
+            f"something else than it began with (the first: {unplanned[0]}); run again, and they are made anew"
+        )
+    with replacing(out / MANIFEST) as (temporary,):
+        text = json.dumps({"artifacts": entries}, sort_keys=True, indent=1, ensure_ascii=False)
+        temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def read_manifest(out: Path) -> dict[str, Record]:
+    """The records of a manifest by path.
+
+    Raises:
+        ValueError: there is none, or it is damaged.
+    """
+    try:
+        data = json.loads((out / MANIFEST).read_text(encoding="utf-8"))
+        return {path: Record.from_mapping(each) for path, each in data["artifacts"].items()}
+    except OSError:
+        raise ValueError(f"{out / MANIFEST} is missing: the study was never run to its end") from None
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise ValueError(f"{out / MANIFEST} is damaged ({error}): run the study again to have it written") from error
+
+
+def verify(out: Path) -> tuple[int, list[str]]:
+    """Hash every artifact again.
+
+    Returns:
+        The number of artifacts of the manifest, and what is wrong: a line for each artifact that is missing, changed
+        or unexplained.
+
+    Raises:
+        ValueError: there is no manifest, or it is damaged.
+    """
+    manifest = read_manifest(out)
+    found = contents(out, sorted(manifest))
+    problems = []
+    for path, record in manifest.items():
+        problems += [f"{kind}: {path}{more}" for kind, more in _problems(manifest, record, found[path])]
+    problems += [f"unexplained: {path} (not in the manifest)" for path in _others(out, set(manifest))]
+    return len(manifest), sorted(problems)
+
+
+def _problems(manifest: dict[str, Record], record: Record, found: Content | None) -> Iterator[tuple[str, str]]:
+    if found is None:
+        yield "missing", ""
+    elif found.sha256 != record.sha256:
+        yield "changed", f" (sha256 {found.sha256[:12]}…, made as {record.sha256[:12]}…)" + _files(record, found)
+    if not record.explains_its_key():
+        yield "unexplained", " (its key does not follow from what the manifest says of it)"
+    for role, each in record.inputs.items():
+        if each.artifact and each.path not in manifest:
+            yield "unexplained", f" (made from {each.path}, which is not in the manifest)"
+        elif each.artifact and manifest[each.path].sha256 != each.sha256:
+            yield "unexplained", f" (made from another version of {each.path}, its input {role})"
+
+
+def _files(record: Record, found: Content) -> str:
+    """Which files of a folder differ."""
+    if record.files is None or found.files is None:
+        return ""
+    names = sorted(record.files.keys() | found.files.keys())
+    return ": " + ", ".join(name for name in names if record.files.get(name) != found.files.get(name))
+
+
+def _others(out: Path, known: set[str], folder: str = "") -> Iterator[str]:
+    """The files of an output folder that are no known artifact, nor in one, nor of a study in a folder within it."""
+    for each in sorted((out / folder).iterdir()):
+        path = f"{folder}{each.name}"
+        if path in known or each.name.startswith(".") or path in NO_ARTIFACTS:
+            continue
+        if not each.is_dir() or each.is_symlink():
+            yield path
+        elif not (each / FOLDER).is_dir():
+            yield from _others(out, known, f"{path}/")

@@ -1,0 +1,262 @@
+"""The store: artifacts by key, in a folder of the user's that all clones, configs and output folders share.
+
+An entry is a folder named by the key of a job, with what the job made and the records of it. It is written under a
+temporary name and renamed, and never changed afterwards, so that any number of processes can share the store without
+locks. Files go in and out as copies, never as links: an edit in place of an artifact stays where it is made.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import logging
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from workflow.artifacts.keys import hash_of
+from workflow.artifacts.records import FULL, Record, content, remove, write_record
+
+DEFAULT_GIB = 10.0
+ABANDONED = 24 * 3600.0  # seconds after which a temporary folder is what a killed process left
+_logger = logging.getLogger(__name__)
+
+
+def default_folder() -> Path:
+    """The folder that `CACHE` names; otherwise one in the user's cache folder."""
+    named = os.environ.get("CACHE")
+    if named:
+        return Path(named).expanduser().absolute()
+    return (
+        Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "cross-situational-learning" / "artifacts"
+    )
+
+
+def default_limit() -> int:
+    """The size in bytes that the store is kept below: `CACHE_GIB`, 0 for no store at all.
+
+    Raises:
+        ValueError: it is no such number.
+    """
+    named = os.environ.get("CACHE_GIB") or str(DEFAULT_GIB)
+    try:
+        gib = float(named)
+    except ValueError:
+        gib = -1.0
+    if not 0 <= gib < float("inf"):
+        raise ValueError(f"CACHE_GIB={named}: must be a number of gibibytes, 0 for no cache")
+    return int(gib * 2**30)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One entry: its folder, its size in bytes, and when it was last used (seconds since the epoch)."""
+
+    folder: Path
+    size: int
+    used: float
+
+
+@dataclass
+class Store:
+    """A folder of entries.
+
+    Attributes:
+        folder: where they are; made when the first one is put.
+        limit: bytes that `trim` leaves at most; 0 turns the store off.
+    """
+
+    folder: Path
+    limit: int = int(DEFAULT_GIB * 2**30)
+    _closed: set[str] = field(default_factory=set, repr=False)  # what could not be done: "written", "read"
+
+    def __contains__(self, key: str) -> bool:
+        return os.path.isfile(self._entry(key) / "entry.json")  # noqa: PTH113 (no error where it cannot be looked into)
+
+    def put(self, key: str, out: Path, records: Mapping[str, Record]) -> bool:
+        """Keep what a job made.
+
+        A folder that cannot be written, or is full, is named in one warning, and the study goes on without.
+
+        Args:
+            key: of the job.
+            out: the output folder.
+            records: of all outputs of the job, by path in `out`.
+
+        Returns:
+            Whether the store has the entry now.
+        """
+        if self.limit == 0 or "written" in self._closed or key in self:
+            return self.limit > 0 and key in self
+        temporary: Path | None = None
+        try:
+            (self.folder / "tmp").mkdir(parents=True, exist_ok=True)
+            temporary = Path(tempfile.mkdtemp(dir=self.folder / "tmp"))
+            for i, (path, record) in enumerate(sorted(records.items())):
+                _copy(out / path, temporary / str(i))
+                if content(temporary / str(i)).sha256 != record.sha256:
+                    return False  # changed since it was made: whoever verifies it next will say so
+            listing = {path: record.mapping() for path, record in sorted(records.items())}
+            text = json.dumps({"outputs": listing, "sha256": hash_of(listing)})
+            (temporary / "entry.json").write_text(text, encoding="utf-8")
+            temporary.chmod(0o755)
+            self._entry(key).parent.mkdir(exist_ok=True)
+            temporary.rename(self._entry(key))
+        except OSError as error:
+            if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):  # there another process was faster
+                self._close("written", error)
+            return key in self
+        finally:
+            if temporary is not None:
+                shutil.rmtree(temporary, ignore_errors=True)
+        return True
+
+    def fetch(self, key: str, out: Path, paths: Mapping[str, str]) -> bool:
+        """Copy the outputs of a job and their records to where they belong.
+
+        Every copy is compared with its checksum before it is moved in place. A damaged entry is named in a warning,
+        removed, and not used.
+
+        Args:
+            key: of the job.
+            out: the output folder.
+            paths: path in `out` of each output by role.
+
+        Returns:
+            Whether they are in place now.
+        """
+        entry = self._entry(key)
+        if self.limit == 0 or "read" in self._closed or key not in self:
+            return False
+        try:
+            listing = _listing(entry)
+            numbers = {record.role: (i, record) for i, record in enumerate(listing)}
+            if set(numbers) != set(paths):
+                raise ValueError("other outputs than the job's")
+            copies = []
+            try:
+                for role, path in paths.items():
+                    number, record = numbers[role]
+                    copies.append((_temporary(out / path), path, record))
+                    _copy(entry / str(number), copies[-1][0])
+                    if content(copies[-1][0]).sha256 != record.sha256:
+                        raise ValueError(f"what would be {path} has another sha256")
+                for copied, path, record in copies:
+                    remove(out, path)
+                    copied.rename(out / path)
+                    write_record(out, path, record)
+            finally:
+                for copied, _, _ in copies:
+                    _remove_any(copied)
+        except FileNotFoundError:
+            if key in self:  # else another process has just cleaned it away
+                self._damaged(entry, "a file is missing")
+            return False
+        except (ValueError, TypeError, KeyError) as error:
+            self._damaged(entry, str(error))
+            return False
+        except OSError as error:
+            if error.errno in FULL:  # what is written to is the output folder
+                self._closed.add("read")
+                _logger.warning("%s: no room for what the cache holds (%s)", out, error.strerror)
+            else:
+                self._close("read", error)
+            return False
+        with suppress(OSError):  # read-only: then nobody cleans up by age either
+            os.utime(entry / "entry.json")
+        return True
+
+    def entries(self) -> Iterator[Entry]:
+        """All entries, in no order."""
+        for listing in self.folder.glob("??/*/entry.json"):
+            try:
+                size = sum(path.stat().st_size for path in listing.parent.rglob("*") if path.is_file())
+                yield Entry(listing.parent, size, listing.stat().st_mtime)
+            except FileNotFoundError:
+                continue  # another process has just cleaned it away
+
+    def trim(self, limit: int | None = None) -> tuple[int, int]:
+        """Remove the least recently used entries until the rest is within the limit, and what killed processes left.
+
+        Returns:
+            The number of entries removed, and of bytes.
+        """
+        limit = self.limit if limit is None else limit
+        for left in self.folder.glob("tmp/*"):
+            try:
+                if time.time() - left.stat().st_mtime > ABANDONED:
+                    shutil.rmtree(left, ignore_errors=True)
+            except FileNotFoundError:
+                continue
+        entries = sorted(self.entries(), key=lambda entry: entry.used)
+        total = sum(entry.size for entry in entries)
+        count = freed = 0
+        for entry in entries:
+            if total - freed <= limit:
+                break
+            if self._drop(entry.folder):
+                count, freed = count + 1, freed + entry.size
+        return count, freed
+
+    def _entry(self, key: str) -> Path:
+        return self.folder / key[:2] / key
+
+    def _damaged(self, entry: Path, what: str) -> None:
+        removed = "and removed" if self._drop(entry) else "but cannot be removed"
+        _logger.warning("%s: damaged entry of the cache (%s); it is not used, %s", entry, what, removed)
+
+    def _drop(self, entry: Path) -> bool:
+        """Remove an entry: at once under its name, so that nobody sees half of it."""
+        try:
+            (self.folder / "tmp").mkdir(exist_ok=True)
+            away = Path(tempfile.mkdtemp(dir=self.folder / "tmp"))
+            entry.rename(away / "entry")
+            shutil.rmtree(away, ignore_errors=True)
+        except OSError:
+            return False
+        return True
+
+    def _close(self, what: str, error: OSError) -> None:
+        self._closed.add(what)
+        _logger.warning("%s: the cache cannot be %s (%s); going on without", self.folder, what, error.strerror)
+
+
+def _listing(entry: Path) -> list[Record]:
+    """The records of an entry, in the order of its files.
+
+    Raises:
+        ValueError, TypeError, KeyError: the listing is damaged.
+    """
+    data = json.loads((entry / "entry.json").read_text(encoding="utf-8"))
+    if hash_of(data["outputs"]) != data["sha256"]:
+        raise ValueError("its listing has another sha256")
+    return [Record.from_mapping(each) for _, each in sorted(data["outputs"].items())]
+
+
+def _copy(source: Path, target: Path) -> None:
+    if source.is_dir():
+        target.mkdir()
+        for path in sorted(source.rglob("*")):
+            if path.is_file() and not path.name.startswith("."):
+                (target / path.relative_to(source)).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(path, target / path.relative_to(source))
+    else:
+        shutil.copyfile(source, target)
+
+
+def _temporary(path: Path) -> Path:
+    """A name beside a path that the next run takes for what a killed one left."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path.parent / f".{path.name}.{os.getpid()}.part"
+
+
+def _remove_any(path: Path) -> None:
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)

@@ -1,0 +1,124 @@
+"""What every job does around its one call.
+
+Its output goes to its log, warnings and failures also to the screen; its inputs are compared with their records, and
+what it made is recorded. The last line of its log says what time it took.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import sys
+import time
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from workflow.artifacts.keys import by_role
+from workflow.artifacts.records import FULL, DamagedError, record_path, records_of_job, verified_inputs, write_record
+from workflow.execution.turns import turn_of_job
+
+OUT = Path()  # Snakemake runs jobs in the output folder
+CLEAR = "\r\033[K"  # empties the line of a terminal, on which a run shows its progress
+TOOK = "took "  # begins the last line of a job's log
+
+
+@contextmanager
+def job(snakemake: Any) -> Iterator[None]:
+    """Verify the inputs of a job, record its outputs, and send all that it prints, even compiled code, to its log.
+
+    Warnings and the message of a failure appear on the screen as well, the failure's traceback in the log only.
+    An input that is damaged is named and removed.
+
+    Args:
+        snakemake: what Snakemake gives a script: inputs, outputs, params, wildcards and log.
+
+    Raises:
+        SystemExit: the job failed; the reason has been shown.
+    """
+    log = snakemake.log[0]
+    began, start_up = time.perf_counter(), time.process_time()  # the latter counts from the start of the process
+    sys.stdout.flush()
+    sys.stderr.flush()
+    screen = os.fdopen(os.dup(2), "w")
+    clear = CLEAR if screen.isatty() else ""
+    with Path(log).open("w") as file:
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+        to_screen = logging.StreamHandler(screen)
+        to_screen.setLevel(logging.WARNING)
+        to_screen.setFormatter(logging.Formatter(f"{clear}%(levelname)s %(message)s"))
+        to_log = logging.StreamHandler(sys.stderr)
+        logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s", handlers=[to_log])
+        logging.getLogger().addHandler(to_screen)
+        logging.captureWarnings(capture=True)
+        try:
+            with turn_of_job(OUT), recorded(snakemake):
+                yield
+        except Exception as error:
+            print(
+                f"{clear}{type(error).__name__}: {error}{_where_full(error)}\n(more in {log})",
+                file=screen,
+                flush=True,
+            )
+            with suppress(OSError):  # the log may be on a full disk
+                traceback.print_exc()
+            raise SystemExit(1) from None
+        finally:
+            with suppress(OSError):
+                sys.stdout.write(time_line(start_up, time.perf_counter() - began))
+                sys.stdout.flush()
+                sys.stderr.flush()
+
+
+def _where_full(error: Exception) -> str:
+    """Which disk is full, if that is the error: the message of the system does not name it."""
+    if not isinstance(error, OSError) or error.errno not in FULL:
+        return ""
+    where = error.filename or OUT.resolve()
+    return f"\nthe disk of {where} is full; make room and run again, which goes on from here"
+
+
+def time_line(start_up: float, wall: float) -> str:
+    """What time this process took until now, as the last line of a log; the arguments are those of `time_of`."""
+    took = {"start_up": start_up, "processor": time.process_time(), "wall": wall}
+    return f"{TOOK}{json.dumps({name: round(value, 3) for name, value in took.items()})}\n"
+
+
+def time_of(log: Path) -> dict[str, float] | None:
+    """The seconds that a job took, from the last line of its log; None where there is none.
+
+    `wall` is the time from when its inputs were looked at; `processor` is that of its whole process, `start_up` what
+    of it was spent before.
+    """
+    try:
+        line = log.read_text(encoding="utf-8", errors="replace").rstrip().rpartition("\n")[2]
+        return dict(json.loads(line.removeprefix(TOOK))) if line.startswith(TOOK) else None
+    except (OSError, ValueError):
+        return None
+
+
+@contextmanager
+def recorded(snakemake: Any) -> Iterator[None]:
+    """Verify the inputs of a job, and record its outputs when all are in place.
+
+    Raises:
+        DamagedError: an input is not what its record says, or changed while the job read it.
+    """
+    outputs = by_role(snakemake.output)
+    for path in outputs.values():
+        record_path(OUT, path).unlink(missing_ok=True)  # of what was there before
+    inputs = verified_inputs(OUT, by_role(snakemake.input))
+    yield
+    # Files from elsewhere have no record from which they could be seen to differ.
+    for role, each in verified_inputs(OUT, by_role(snakemake.input)).items():
+        if each != inputs[role]:
+            raise DamagedError(f"{each.path} changed while the job read it; run again")
+    records = records_of_job(
+        OUT, snakemake.rule, by_role(snakemake.wildcards), by_role(snakemake.params), inputs, outputs
+    )
+    for path, record in records.items():
+        write_record(OUT, path, record)

@@ -1,0 +1,119 @@
+"""What is kept of an output folder, what is taken from the store, and what must be made: the keys alone decide."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from workflow.artifacts.keys import output_key
+from workflow.artifacts.manifest import MANIFEST
+from workflow.artifacts.records import Record, content, contents, read_record, remove
+from workflow.artifacts.store import Store
+from workflow.execution.dag import Job, Plan, keys_of
+
+
+class Keeper:
+    """Keeps an output folder in accord with a plan; its methods are the hooks of `workflow.execution.engine`.
+
+    Attributes:
+        artifacts: the keys of all artifacts of a study by path; None before it was planned for real and as a whole.
+        complete: no artifact was removed because its code changed.
+    """
+
+    def __init__(self, out: Path, store: Store) -> None:
+        self.artifacts: dict[str, str] | None = None
+        self.complete = True
+        self._out = out
+        self._store = store
+        self._keys: dict[str, str] = {}  # of jobs, by each output's path
+
+    def decide(self, plan: Plan) -> Collection[int]:
+        """The jobs that must run: those of which an artifact is missing, stale or damaged, and not in the store.
+
+        What is stale or damaged is said; for real it is also removed, and what the store has is put in place.
+        """
+        jobs, for_real = plan.jobs, plan.for_real
+        keys = keys_of(jobs, cache(lambda path: content(Path(path)).sha256))
+        judged = _judge(self._out, jobs, keys)
+        for path in judged.damaged:
+            _say(f"damaged: {path}, will be made again")
+        for rule, count in judged.stale.items():
+            _say(f"stale: {count} of rule {rule}, made by other code, settings or inputs")
+        restored: list[int] = []
+        needed: list[int] = []
+        for i, (job, key) in enumerate(zip(jobs, keys, strict=True)):
+            records = {path: judged.sound[path] for path in job.outputs.values() if path in judged.sound}
+            if len(records) == len(job.outputs) and not job.forced:
+                if for_real and key not in self._store:
+                    self._store.put(key, self._out, records)
+                continue
+            if for_real:
+                for path in job.outputs.values():
+                    remove(self._out, path)
+                fetched = not job.forced and self._store.fetch(key, self._out, job.outputs)
+            else:
+                fetched = not job.forced and key in self._store
+            (restored if fetched else needed).append(i)
+        kept = len(jobs) - len(restored) - len(needed)
+        _say(f"artifacts of {kept} jobs are kept, of {len(restored)} come from the cache, of {len(needed)} are made")
+        if for_real:
+            if plan.whole:
+                self.artifacts = {
+                    path: output_key(key, role)
+                    for job, key in zip(jobs, keys, strict=True)
+                    for role, path in job.outputs.items()
+                }
+            self._keys = {path: key for job, key in zip(jobs, keys, strict=True) for path in job.outputs.values()}
+            if restored or needed:
+                (self._out / MANIFEST).unlink(missing_ok=True)  # it speaks of another state
+        return needed
+
+    def finished(self, job: Job, same_code: bool = True) -> None:
+        """Put what a job has made into the store; remove it if its code is no longer that of the plan."""
+        if not same_code:
+            self.complete = False
+            _say(f"the code of rule {job.rule} changed while the study ran: what it made is removed; run again")
+            for path in job.outputs.values():
+                remove(self._out, path)
+            return
+        records = {path: read_record(self._out, path) for path in job.outputs.values()}
+        as_planned = {
+            path: record
+            for role, path in job.outputs.items()
+            if (record := records[path]) and record.key == output_key(self._keys[path], role)
+        }
+        if as_planned.keys() == records.keys() and as_planned:
+            self._store.put(self._keys[next(iter(records))], self._out, as_planned)
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """The artifacts of a plan: records of the sound ones, the damaged ones, how many of each rule are stale."""
+
+    sound: dict[str, Record]
+    damaged: list[str]
+    stale: dict[str, int]
+
+
+def _judge(out: Path, jobs: Sequence[Job], keys: Sequence[str]) -> _Judged:
+    """Compare what is there with the keys of a plan, and its bytes with its records."""
+    right: dict[str, Record] = {}
+    stale: Counter[str] = Counter()
+    for job, key in zip(jobs, keys, strict=True):
+        for role, path in job.outputs.items():
+            record = read_record(out, path)
+            if record is not None and record.key == output_key(key, role):
+                right[path] = record
+            elif (out / path).exists():
+                stale[job.rule] += 1
+    found = {path: each.sha256 for path, each in contents(out, sorted(right)).items() if each is not None}
+    sound = {path: record for path, record in right.items() if found.get(path) == record.sha256}
+    return _Judged(sound, sorted(found.keys() - sound.keys()), dict(sorted(stale.items())))
+
+
+def _say(line: str) -> None:
+    sys.stderr.write(f"{line}\n")

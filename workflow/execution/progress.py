@@ -1,0 +1,100 @@
+"""One line for a run as a whole: the stage, how many jobs are done of how many, and about how long the rest takes."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable
+from typing import TextIO
+
+from workflow.execution.job import CLEAR
+
+EVERY = 30.0  # seconds between two lines where they cannot be redrawn in place
+
+
+class Progress:
+    """Tells how far a run is: on a terminal a line that is redrawn in place, elsewhere a line now and then.
+
+    Args:
+        stream: where it is written.
+        clock: the time in seconds.
+    """
+
+    def __init__(self, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic) -> None:
+        self._stream = stream or sys.stderr
+        self._clock = clock
+        self._left: Counter[str] = Counter()
+        self._done: Counter[str] = Counter()
+        self._seconds: defaultdict[str, float] = defaultdict(float)
+        self._began = self._told = clock()
+
+    def begin(self, stages: Iterable[str]) -> None:
+        """A run begins.
+
+        Args:
+            stages: the stage of each job that is to be made.
+        """
+        self._left = Counter(stages)
+        self._began = self._told = self._clock()
+        if self._stream.isatty() and self._left:
+            self._write("")
+
+    def finished(self, stage: str, seconds: float) -> None:
+        """A job has ended well.
+
+        Args:
+            stage: its stage.
+            seconds: what it took.
+        """
+        self._left[stage] -= 1
+        self._done[stage] += 1
+        self._seconds[stage] += max(seconds, 1e-3)
+        now = self._clock()
+        if self._stream.isatty() or now - self._told >= EVERY or not self._left.total():
+            self._told = now
+            self._write(stage)
+
+    @property
+    def done(self) -> int:
+        """How many jobs have ended well."""
+        return self._done.total()
+
+    def end(self) -> None:
+        """The run has ended, well or not: what is written next begins a line."""
+        if self._stream.isatty() and self._done.total() + self._left.total():
+            self._stream.write("\n")
+            self._stream.flush()
+
+    def remaining(self) -> float | None:
+        """Seconds that the rest takes, if a job takes what those of its stage took; None while too little is known.
+
+        Stages differ a hundredfold, so that nothing is said before most jobs that are left are of known stages.
+        """
+        means = {stage: self._seconds[stage] / count for stage, count in self._done.items()}
+        known = sum(self._left[stage] for stage in means)
+        if 2 * known < self._left.total():
+            return None
+        ahead = sum(self._left[stage] * mean for stage, mean in means.items()) * self._left.total() / max(known, 1)
+        return (self._clock() - self._began) * ahead / sum(self._seconds.values())
+
+    def _write(self, stage: str) -> None:
+        done, total = self._done.total(), self._done.total() + self._left.total()
+        line = f"{done} of {total} jobs done ({done / total:.0%})"
+        if stage:
+            line += f", {stage} {self._done[stage]} of {self._done[stage] + self._left[stage]}"
+        if done < total:
+            seconds = self.remaining() if done else None
+            line += "" if seconds is None else f", about {span(seconds)} left"
+        else:
+            line += f" in {span(self._clock() - self._began)}"
+        self._stream.write(f"{CLEAR}{line}" if self._stream.isatty() else f"{line}\n")
+        self._stream.flush()
+
+
+def span(seconds: float) -> str:
+    """A time as people say it."""
+    if seconds < 99.5:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60} min"

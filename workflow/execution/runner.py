@@ -1,0 +1,130 @@
+"""Run a study: one run at a time in an output folder, what is there or in the store is kept, the rest is made."""
+
+from __future__ import annotations
+
+import logging
+import os
+import shutil
+import sys
+import time
+from collections.abc import Collection, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from workflow.artifacts.manifest import write_manifest
+from workflow.artifacts.provenance import ROOT
+from workflow.artifacts.store import Store
+from workflow.execution import engine
+from workflow.execution.dag import Job, Plan
+from workflow.execution.job import time_line, time_of
+from workflow.execution.keeping import Keeper
+from workflow.execution.progress import Progress
+from workflow.execution.turns import turn_of_run
+from workflow.plan.config import keep_config
+
+FAILED, BUSY = 1, 3
+LEAST_ROOM = 2**18  # bytes; without them Snakemake cannot even write its notes
+REPORT = "report.html"
+
+
+def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence[str], store: Store) -> int:
+    """Run what is new of a study, and write its manifest.
+
+    Args:
+        config: the config file.
+        out: the output folder.
+        cores: how many jobs may run at the same time; None for what the profile says.
+        profile: where and how they run, see `engine.command_line`.
+        more: further arguments for Snakemake.
+        store: where artifacts are shared.
+
+    Returns:
+        The exit status: 0; 1 where a job failed or was stopped; 3 where another run is on in this folder.
+    """
+    out = out.resolve()
+    out.mkdir(parents=True, exist_ok=True)
+    _show_warnings()
+    if _is_full(out):
+        return FAILED
+    with turn_of_run(out) as alone:
+        if not alone:
+            sys.stderr.write(f"{out}: another study is running in this folder; wait for it, or name another --out\n")
+            return BUSY
+        _remove_parts(out)
+        config = keep_config(config, out)
+        os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
+        began = time.monotonic()
+        keeper, progress = Keeper(out, store), Progress()
+        arguments = [*engine.command_line(config, out, cores, profile), *more]
+        status = engine.run(arguments, _hooks(out, keeper, progress))
+        progress.end()
+        if progress.done:  # what it took to lay out, start and keep the jobs
+            with suppress(OSError):  # the disk may be full
+                (out / "joblogs" / "workflow.log").write_text(
+                    time_line(0.0, time.monotonic() - began), encoding="utf-8"
+                )
+        if not keeper.complete:
+            status = FAILED
+        if status == 0 and keeper.artifacts is not None:
+            try:
+                write_manifest(out, keeper.artifacts)
+            except ValueError as error:
+                sys.stderr.write(f"{error}\n")
+                status = FAILED
+            except OSError as error:
+                sys.stderr.write(f"{out}: the manifest cannot be written ({error})\n")
+                status = FAILED
+            store.trim()
+        if status == 0 and REPORT in (keeper.artifacts or ()):
+            sys.stderr.write(f"look at {out / REPORT}\n")
+        elif status != 0:
+            _is_full(out)
+            sys.stderr.write("stopped; what is done is kept, and the next run goes on with the rest\n")
+        return status
+
+
+def _hooks(out: Path, keeper: Keeper, progress: Progress) -> engine.Hooks:
+    """What keeps artifacts and what tells of the progress, as hooks."""
+
+    def decide(plan: Plan) -> Collection[int]:
+        needed = keeper.decide(plan)
+        if plan.for_real:
+            progress.begin(plan.jobs[i].stage for i in needed)
+        return needed
+
+    def finished(job: Job, same_code: bool) -> None:
+        keeper.finished(job, same_code)
+        took = time_of(out / job.log)
+        progress.finished(job.stage, took["wall"] if took else 1.0)
+
+    return engine.Hooks(decide, finished)
+
+
+def _is_full(out: Path) -> bool:
+    """Whether there is no room left where the output folder is; that is said."""
+    free = shutil.disk_usage(out).free
+    if free < LEAST_ROOM:
+        sys.stderr.write(
+            f"{out}: the disk is full ({free // 1024} KiB are free, {LEAST_ROOM // 1024} KiB are the least); "
+            "make room and run again, which goes on from here\n"
+        )
+    return free < LEAST_ROOM
+
+
+def _show_warnings() -> None:
+    """Show what our own modules warn of, apart from what Snakemake logs."""
+    logging.raiseExceptions = False  # on a full disk Snakemake would tell of each line that its log file misses
+    handler = logging.StreamHandler()
+    handler.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
+    logger = logging.getLogger("workflow")
+    logger.addHandler(handler)
+    logger.propagate = False
+
+
+def _remove_parts(out: Path) -> None:
+    """Remove what a killed run was about to write, which carries a temporary name."""
+    for part in list(out.rglob(".*.part")):
+        if part.is_dir():
+            shutil.rmtree(part, ignore_errors=True)
+        else:
+            part.unlink(missing_ok=True)

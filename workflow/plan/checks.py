@@ -1,0 +1,189 @@
+"""What no single key of a config shows: contradictions between keys, and what the data themselves forbid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from data_collection.settings import Simulation
+from features.settings import FeatureSettings
+from workflow.plan.config import default, key_path
+from workflow.plan.study import CHANNELS, TASKS, Experiment, Study, feature_files, log_folder_trials
+
+# Keys that say nothing where the data come from elsewhere.
+USELESS_WITH = {
+    "trials": ("features", "logs", "data"),
+    "trials_per_job": ("features", "data"),
+    "feature_extraction": ("features", "data"),
+}
+# The key of an experiment that says what may be named, where it is called otherwise.
+SOURCES = {"variant": "variants", "method": "methods"}
+
+
+def contradictions(name: str, config: Mapping[str, Any]) -> Iterator[str]:
+    """What no single key shows: keys that exclude each other, words in two channels, references to nothing."""
+    experiments = config["experiments"]
+    own, where = experiments[name], key_path(["experiments", name])
+    sources = [key for key in ("features", "logs", "data", "simulation") if key in own]
+    if len(sources) > 1:
+        yield f"{where}: {' and '.join(sources)} exclude each other: data have one source"
+    for key, sources_without in USELESS_WITH.items():
+        for source in sources_without:
+            if key in own and source in own:
+                yield f"{where}.{key}: has no effect with {source} (remove it)"
+    owner = own.get("data", name)
+    if owner not in experiments or (owner == name and "data" in own):
+        others = ", ".join(sorted(set(experiments) - {name})) or "there is none"
+        yield f"{where}.data: {owner!r} is no other experiment (allowed: {others})"
+        return
+    if "data" in experiments[owner] and owner != name:
+        yield f"{where}.data: {owner} has no data of its own but shares those of {experiments[owner]['data']}"
+    for other in sorted(experiments):
+        if other < name and other.lower() == name.lower():
+            yield f"{where}: differs from experiments.{other} only in capitals, which some disks do not tell apart"
+    variants = sorted(own.get("variants", {}))
+    for i, variant in enumerate(variants):
+        for other in variants[:i]:
+            if other.lower() == variant.lower():
+                yield f"{where}.variants.{variant}: differs from {other} only in capitals"
+    words = own.get("words", experiments[owner].get("words"))
+    if words is None:
+        yield f"{where}: key 'words' is missing (the words by channel: the true channel of each word)"
+        return
+    for i, channel in enumerate(CHANNELS):
+        for other in CHANNELS[i + 1 :]:
+            for word in sorted(set(words[channel]) & set(words[other])):
+                yield f"{where}.words: {word!r} is a word of {channel} and of {other} (allowed: one channel a word)"
+    yield from _conditions_not_run(where, own, config)
+    trials = experiments[owner].get("trials")
+    for i, D in enumerate(own["D"]):
+        if trials is not None and D > trials:
+            yield f"{where}.D[{i}]: {D} is more than the {trials} trials collected (experiments.{owner}.trials)"
+
+
+def _conditions_not_run(where: str, own: Mapping[str, Any], config: Mapping[str, Any]) -> Iterator[str]:
+    """Conditions that tasks, variants or the figure name, but that the experiment does not have."""
+    variants = own.get("variants", default("variants"))
+    methods = own.get("methods", config.get("methods", default("methods")))
+    available = {
+        "D": own["D"],
+        "ROW": own.get("ROW", default("ROW")),
+        "variant": list(variants),
+        "method": methods,
+        "methods": [*methods, *({"gmm"} - set(methods))],
+    }
+    naming = {task: own.get(task, {}) for task in TASKS} | {"figure": own.get("figure", {})}
+    naming |= {f"variants.{name}.only": variant.get("only", {}) for name, variant in variants.items()}
+    for place, asked in naming.items():
+        for key in [key for key in available if key in asked]:
+            listed = isinstance(asked[key], list)
+            for i, value in enumerate(asked[key] if listed else [asked[key]]):
+                if value not in available[key]:
+                    allowed = ", ".join(map(str, available[key]))
+                    yield (
+                        f"{where}.{place}.{key}{f'[{i}]' if listed else ''}: {value} is not run "
+                        f"(allowed: {allowed}, from {where}.{SOURCES.get(key, key)})"
+                    )
+
+
+def grid_problems(study: Study, name: str) -> Iterator[str]:
+    """What an experiment's variants leave without a fit."""
+    where = key_path(["experiments", name])
+    run = list(study.conditions(name))
+    for i, D in enumerate(study.experiments[name].settings["D"]):
+        if not any(condition.D == D for condition in run):
+            yield f"{where}.D[{i}]: {D} is run for no variant (see {where}.variants)"
+    if study.figure_condition(name) is None:
+        asked = ", ".join(f"{key} {value}" for key, value in study.experiments[name].settings["figure"].items())
+        allowed = dict.fromkeys(f"{c.variant} {c.method} D {c.D} ROW {c.ROW}" for c in run)
+        yield f"{where}.figure: no fit has {asked} (allowed: {'; '.join(allowed)})"
+
+
+def data_problems(study: Study, name: str) -> Iterator[str]:
+    """What the data themselves forbid: settings of the simulation, files of one's own."""
+    experiment = study.experiments[name]
+    where = key_path(["experiments", name])
+    if experiment.data != name:
+        return
+    if experiment.source != "features":
+        try:
+            FeatureSettings.from_mapping(experiment.settings.get("feature_extraction", {}))
+        except ValueError as error:
+            yield from (f"{where}.feature_extraction: {line}" for line in str(error).splitlines())
+        weights = study.weights_file(name)
+        if weights is not None:
+            yield from _braces(f"{where}.feature_extraction.weights", weights)
+        if weights is not None and not weights.is_file():
+            yield f"{where}.feature_extraction.weights: {weights} is not a file (nor seeded, nor imagenet1k)"
+    if experiment.source == "simulation":
+        try:
+            simulation = Simulation.from_mapping(experiment.settings.get("simulation", {}))
+        except ValueError as error:
+            yield from (f"{where}.simulation: {line}" for line in str(error).splitlines())
+        else:
+            yield from (f"{where}.simulation: {line}" for line in simulation.check_words(experiment.words))
+    if experiment.source == "logs":
+        yield from _log_problems(study, experiment)
+    if experiment.source == "features":
+        yield from _table_problems(study, experiment)
+
+
+def _braces(where: str, path: Path) -> Iterator[str]:
+    if set("{}") & set(str(path)):
+        yield f"{where}: {path} has {{ or }} in it, which Snakemake would fill in (rename the file or its folder)"
+
+
+def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
+    where = key_path(["experiments", experiment.name, "logs"])
+    folder = study.log_folder(experiment.name)
+    yield from _braces(where, folder)
+    if not (folder / "calibration.mcap").is_file():
+        yield f"{where}: {folder / 'calibration.mcap'} is not a file (the log of the camera's calibration)"
+    count = len(log_folder_trials(folder, "train"))
+    needed = max(D for user in study.experiments.values() if user.data == experiment.name for D in user.settings["D"])
+    if count < needed:
+        yield (
+            f"{where}: D is up to {needed}, but {folder / 'train'} holds {count} logs numbered without a gap "
+            "(trial_0001.mcap, trial_0002.mcap, …)"
+        )
+
+
+def _table_problems(study: Study, experiment: Experiment) -> Iterator[str]:
+    for set_name in ("train", *TASKS):
+        if study.trials(experiment.name, set_name):
+            yield from _problems_of_set(study, experiment, set_name)
+
+
+def _problems_of_set(study: Study, experiment: Experiment, set_name: str) -> Iterator[str]:
+    from features.table import check_table, read_table
+
+    where = key_path(["experiments", experiment.name, "features", *([] if set_name == "train" else [set_name])])
+    paths = feature_files(study, experiment.name, set_name)
+    for key, path in paths.items():
+        yield from _braces(f"{where}.{key}", path)
+    missing = [f"{where}.{key}: {path} is not a file" for key, path in paths.items() if not path.is_file()]
+    if missing:
+        yield from missing
+        return
+    need_attention = set_name != "generation"
+    problems = check_table(paths["trials"], paths["objects"], words=experiment.words, need_attention=need_attention)
+    if problems or set_name != "train":
+        yield from (f"{where}: {problem}" for problem in problems)
+        return
+    table = read_table(paths["trials"], paths["objects"], need_attention=True)
+    for user in study.experiments.values():
+        if user.data != experiment.name:
+            continue
+        for i, D in enumerate(user.settings["D"]):
+            if D > len(table.trial):
+                yield (
+                    f"experiments.{user.name}.D[{i}]: {D} is more than the {len(table.trial)} trials "
+                    f"of {paths['trials']}"
+                )
+        for row, sentence in enumerate(table.words):
+            if len(sentence) > len(CHANNELS) and "proposed" in user.settings["methods"]:
+                yield (
+                    f"{where}: {paths['trials']}, trial {table.trial[row]}: {len(sentence)} words, but "
+                    f"method proposed explains at most {len(CHANNELS)} (one a channel)"
+                )
