@@ -39,7 +39,8 @@ def test_every_type_survives(tmp_path: Path) -> None:
     log = _small()
     write_log(tmp_path / "a.mcap", log)
     assert differences(log, read_log(tmp_path / "a.mcap")) == []
-    assert {channels.BY_TOPIC[message.topic].type for message in log.messages} == {c.type for c in channels.CHANNELS}
+    types = {channels.BY_TOPIC[message.topic].value.type for message in log.messages}
+    assert types == {channel.value.type for channel in channels.CHANNELS}
 
 
 def test_real_trial_survives(tmp_path: Path, trials: list[Log]) -> None:

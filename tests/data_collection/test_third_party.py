@@ -28,7 +28,7 @@ def test_rosbags_reads_everything(log_path: Path, trials: list[Log]) -> None:
             (connection.topic, time, reader.deserialize(data, connection.msgtype))
             for connection, time, data in reader.messages()
         ]
-    assert types == {topic: channels.BY_TOPIC[topic].type for topic in {message.topic for message in ours}}
+    assert types == {topic: channels.BY_TOPIC[topic].value.type for topic in {message.topic for message in ours}}
     assert sorted((topic, time) for topic, time, _ in found) == sorted(
         (message.topic, message.time) for message in ours
     )
