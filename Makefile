@@ -81,7 +81,7 @@ test-slow: $(READY)
 lint: $(READY)
 	$(VENV)/bin/ruff check $(SOURCES)
 	$(VENV)/bin/ruff format --check $(SOURCES)
-	$(VENV)/bin/mypy data_collection features model evaluation workflow benchmarks
+	$(VENV)/bin/mypy $(SOURCES)
 	$(VENV)/bin/snakefmt --check Snakefile workflow/rules
 	.ci/lint_snakefile
 

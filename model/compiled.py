@@ -19,7 +19,7 @@ from typing import ParamSpec, TypeVar
 
 import numba
 import numpy as np
-from llvmlite import binding  # type: ignore[import-untyped]
+from llvmlite import binding
 
 _Arguments = ParamSpec("_Arguments")
 _Result = TypeVar("_Result")

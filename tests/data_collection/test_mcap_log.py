@@ -157,7 +157,7 @@ def test_killed_while_writing(tmp_path: Path) -> None:
         real = mcap_log._write
 
         def dies(stream: object, log: Log) -> None:
-            real(stream, log)  # type: ignore[arg-type]
+            real(stream, log)
             os._exit(9)
 
         mcap_log._write = dies

@@ -89,7 +89,7 @@ def test_no_room_is_an_error() -> None:
     ],
 )
 def test_the_tutors_criteria(change: dict[str, object], action: str) -> None:
-    assert task.judge(dataclasses.replace(NOTHING, **change), Simulation().tutor) == action  # type: ignore[arg-type]
+    assert task.judge(dataclasses.replace(NOTHING, **change), Simulation().tutor) == action
 
 
 def test_sentence_has_one_word_a_channel_in_any_order() -> None:

@@ -94,7 +94,7 @@ def changed(**change: float) -> Level:
         for pattern, value in change.items():
             if re.fullmatch(pattern.replace("x", "[^/]*").replace("__", "/"), "/".join(map(str, names))):
                 return value
-        return as_the_paper_says(*names)  # type: ignore[arg-type]
+        return as_the_paper_says(*names)
 
     return level
 

@@ -63,7 +63,7 @@ def test_a_color_word_has_its_own_color(seen: Overview) -> None:
         "blue": "#0000c8",
         "red": "#960000",
     }
-    assert [to_hex(shade) for shade in axes.collections[0].get_facecolors()] == ["#0000c8"] * 2 + ["#960000"] * 2
+    assert [to_hex(shade) for shade in axes.collections[0].get_facecolor()] == ["#0000c8"] * 2 + ["#960000"] * 2
 
 
 def test_without_any_truth(seen: Overview) -> None:

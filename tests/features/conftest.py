@@ -108,7 +108,8 @@ class Scene:
         fine = np.zeros((4 * HEIGHT, 4 * WIDTH), dtype=np.uint8)
         cv2.fillPoly(fine, [np.rint(4 * outline + 1.5).astype(np.int32)], 255)
         small = cv2.resize(fine, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
-        return canvas + value * small.astype(np.float64) / 255
+        drawn: NDArray[np.float64] = canvas + value * small.astype(np.float64) / 255
+        return drawn
 
 
 @pytest.fixture(scope="session")
@@ -181,11 +182,12 @@ class Logs:
         for number in range(first, first + count):
             random = np.random.default_rng([7, number])
             places = random.permutation([[0.21, 0.0], [0.29, 0.14], [0.29, -0.14], [0.38, 0.0]])
-            solids = [
-                Solid(str(random.choice(["box", "cup", "ball"])), *(places[i] + random.normal(0, 0.01, 2)),
-                      list(COLOR_WORDS)[random.integers(3)], turn=random.uniform(0, 1.5))
-                for i in range(random.integers(1, 4))
-            ]  # fmt: skip
+            solids = []
+            for i in range(random.integers(1, 4)):
+                shape = str(random.choice(["box", "cup", "ball"]))
+                x, y = places[i] + random.normal(0, 0.01, 2)
+                color = list(COLOR_WORDS)[random.integers(3)]
+                solids.append(Solid(shape, x, y, color, turn=random.uniform(0, 1.5)))
             logs.append(self.trial(number, solids, int(random.integers(len(solids))), acted=acted))
         return logs
 

@@ -6,7 +6,7 @@ import base64
 import functools
 import os
 import pickle
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -201,7 +201,7 @@ def test_pickles_in_metadata_are_never_unpickled(folder: Path) -> None:
     assert sign.exists()
 
 
-SPECIAL = {
+SPECIAL: dict[str, Callable[[Path], None]] = {
     "a pipe": lambda path: os.mkfifo(path),
     "a device": lambda path: path.symlink_to("/dev/zero"),
     "a folder": lambda path: path.mkdir(),
@@ -237,7 +237,7 @@ def flat(name: str, values: Any, rows: int) -> Any:
 
 
 LONG = "x" * 10**6
-BOMBS = {
+BOMBS: dict[str, tuple[Callable[[], pa.Table], str]] = {
     "a text of 1 MB in each of 20,000 rows": (
         lambda: flat("truth_action", pa.DictionaryArray.from_arrays(np.zeros(20_000, np.int32), [LONG]), 20_000),
         "column 'truth_action' has a text of more than 160 bytes",

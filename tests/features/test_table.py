@@ -372,7 +372,7 @@ def test_a_small_file_that_unpacks_to_too_much_is_not_unpacked(
     tables["trials"] = pa.concat_tables([tables["trials"]] * 5000)
     paths = save(tmp_path, tables)
     monkeypatch.setattr(table_columns, "MAX_TABLE_ROWS", 10_000)
-    monkeypatch.setattr(table_columns.pq.ParquetFile, "read_row_group", None)
+    monkeypatch.setattr(pq.ParquetFile, "read_row_group", None)
     table, problems = table_columns.load(paths[0], TRIALS)
     assert table is None
     assert "holds 15,000 rows" in problems[0]

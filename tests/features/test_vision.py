@@ -23,7 +23,7 @@ def solid(scene: Any) -> Any:
     """The class of drawn solids, which comes with the scene."""
     import inspect
 
-    return inspect.getmodule(type(scene)).Solid  # type: ignore[union-attr]
+    return inspect.getmodule(type(scene)).Solid
 
 
 @pytest.fixture(scope="module")

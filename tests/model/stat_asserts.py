@@ -19,7 +19,7 @@ def effective_size(draws: Floats) -> Floats:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # ArviZ announces its next version.
         import arviz
-    sizes = [float(arviz.ess(draws[:, :, q], method="mean")) for q in range(draws.shape[2])]
+    sizes = [float(arviz.ess(draws[:, :, q], method="mean")) for q in range(draws.shape[2])]  # type: ignore[no-untyped-call]
     constant = np.ptp(draws, axis=(0, 1)) == 0
     return np.where(constant, np.inf, sizes)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numba
 import pytest
+from llvmlite import binding
 
 import model
 from model import compiled
@@ -84,7 +85,7 @@ def test_the_folder_hangs_on_the_sources(tmp_path: Path, monkeypatch: pytest.Mon
     (tmp_path / "kernel.py").write_text("from model.compiled import compiled \n")
     changed = compiled._digest(tmp_path)
     assert changed != before
-    monkeypatch.setattr(compiled.binding, "get_host_cpu_name", lambda: "another")
+    monkeypatch.setattr(binding, "get_host_cpu_name", lambda: "another")
     assert compiled._digest(tmp_path) != changed
 
 

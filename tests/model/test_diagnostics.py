@@ -27,10 +27,9 @@ def test_quantities_are_label_free(fits: list[Fit]) -> None:
     assert quantities[pairs[0]][2].tolist() == (history.z[0][5:, i] == history.z[0][5:, j]).tolist()
     assert sum(quantities[f"frame_{c.name}"] for c in fits[0].trials.channels) == pytest.approx(np.ones((4, 15)))
     # New names for the categories change nothing.
-    renamed = [
-        replace(f, history=replace(f.history, z=tuple(9 - part for part in f.history.z)))  # type: ignore[type-var, union-attr]
-        for f in fits
-    ]
+    histories = [f.history for f in fits if f.history is not None]
+    others = [replace(kept, z=tuple(9 - part for part in kept.z)) for kept in histories]
+    renamed = [replace(f, history=other) for f, other in zip(fits, others, strict=True)]
     for name, values in chain_quantities(renamed, burn_in=0.25, pairs=4).items():
         assert np.array_equal(values, quantities[name])
 

@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from model import METHODS, Fit, Prior, Settings, State, Trials, blocked, collapsed, fit, fitting, load, save
+from model import METHODS, Fit, Prior, Settings, State, Trials, collapsed, conditionals, fit, fitting, load, save
 from model.fitting import INFERENCE, annealed
 from model.joint import log_marginal_joint
 from model.omission import kept_words
+from model.state import Partition
 
 Sampler = Any
 
@@ -86,16 +87,16 @@ def test_collapsed_fit_ends_with_posterior_means(trials: Trials, priors: tuple[P
     state = fit(trials, "proposed", np.random.default_rng(3), priors, iterations=5, inference="collapsed").state
     rng = np.random.default_rng(4)
     for c, (channel, prior) in enumerate(zip(trials.channels, priors, strict=True)):
-        weights = [np.exp(blocked.given.draw_weights(rng, prior, state.z[c])) for _ in range(4000)]
+        weights = [np.exp(conditionals.draw_weights(rng, prior, state.z[c])) for _ in range(4000)]
         assert np.mean(weights, axis=0) == pytest.approx(np.exp(state.log_weights[c]), abs=0.02)
         explained = state.F == c
-        concentration = blocked.given.word_concentration(trials, c, prior, state.z[c], explained)
-        words = [np.exp(blocked.given.draw_words(rng, concentration)) for _ in range(4000)]
+        concentration = conditionals.word_concentration(trials, c, prior, state.z[c], explained)
+        words = [np.exp(conditionals.draw_words(rng, concentration)) for _ in range(4000)]
         assert np.mean(words, axis=0) == pytest.approx(np.exp(state.log_words[c]), abs=0.03)
         stiff = replace(prior, extra_freedom=40.0)
-        partition = collapsed.Partition(state.z, state.F)
+        partition = Partition(state.z, state.F)
         means = collapsed.posterior_means(trials, "proposed", (stiff,) * 3, partition)
-        draws = [blocked.given.draw_categories(rng, stiff, channel, state.z[c], Settings()) for _ in range(4000)]
+        draws = [conditionals.draw_categories(rng, stiff, channel, state.z[c], Settings()) for _ in range(4000)]
         covariance = np.mean([factor @ factor.transpose(0, 2, 1) for _, factor in draws], axis=0)
         expected = means.factor[c] @ means.factor[c].transpose(0, 2, 1)
         assert covariance[: prior.categories] == pytest.approx(expected[: prior.categories], rel=0.1, abs=0.002)
@@ -221,7 +222,7 @@ def test_uniform_means_of_empty_categories_lie_in_the_box(trials: Trials) -> Non
     settings = Settings(empty_category="uniform")
     for c, channel in enumerate(trials.channels):
         z = np.zeros(len(channel.features), dtype=np.int64)
-        mean, _ = blocked.given.draw_categories(np.random.default_rng(c), prior, channel, z, settings)
+        mean, _ = conditionals.draw_categories(np.random.default_rng(c), prior, channel, z, settings)
         assert np.abs(mean[1:]).max() <= 0.5 < np.abs(mean[1:]).max() + 0.05
 
 

@@ -12,7 +12,7 @@ from tests.model import stat_asserts
 def autoregressive(correlation: float, draws: int = 4000, chains: int = 2) -> Floats:
     """Chains of a stationary standard normal with the given lag-one correlation."""
     rng = np.random.default_rng(6)
-    noise = rng.normal(size=(chains, draws, 1)) * np.sqrt(1 - correlation**2)
+    noise: Floats = rng.normal(size=(chains, draws, 1)) * np.sqrt(1 - correlation**2)
     noise[:, 0] /= np.sqrt(1 - correlation**2)
     for t in range(1, draws):
         noise[:, t] += correlation * noise[:, t - 1]

@@ -165,7 +165,12 @@ def test_damage_between_making_and_reading(
             (out / path).write_bytes((out / path).read_bytes()[:-1])
 
     ran: list[str] = []
-    assert tiny.run(out, store, after=lambda rule: (damage(rule), ran.append(rule))[1]) == 1
+
+    def after(rule: str) -> None:
+        damage(rule)
+        ran.append(rule)
+
+    assert tiny.run(out, store, after=after) == 1
     assert reader not in ran
     assert f"{path} is damaged: sha256" in capsys.readouterr().err
     assert not (out / "manifest.json").exists()

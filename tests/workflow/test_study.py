@@ -34,7 +34,7 @@ def test_every_stage_left_its_artifacts(finished: Path) -> None:
     assert {f"figures/simulator_{name}.png" for name in ("uncertain", "instructions")} <= set(found)
     assert "generation/simulator/default/proposed/blocked/D6/ROW0/seed1/scores.csv" in found
     assert "scores.csv" in found
-    shown = ("words", "positions", "object_categories", "color_categories", "generation", "objects")
+    shown: tuple[str, ...] = ("words", "positions", "object_categories", "color_categories", "generation", "objects")
     shown += ("confusion_proposed", "confusion_mmlda")
     assert {f"figures/simulator_{name}.{form}" for name in shown for form in ("png", "pdf")} <= set(found)
     assert {f"figures/simulator_{name}" for name in ("action.gif", "trials.png", "features.png")} <= set(found)
@@ -172,10 +172,10 @@ def test_only_new_conditions_run(finished: Path, tmp_path: Path) -> None:
     assert ran.pop("fit") == 2 * 3 + 2 * 2 + 1
     assert ran.pop("generate") == 2 * 1  # 2 methods × the new seed at ROW 0
     assert ran.pop("figure_of_confusion") == 2
-    sums = ("evaluate_learning", "describe", "evaluate_generation", "diagnose", "scores", "tables", "figure_of_fit")
-    sums += ("claims", "uncertain", "present_uncertain", "figure_of_instructions", "report")
-    sums += ("figure_of_categories", "count_confusions", "figure_of_generation", "ratings")
-    assert ran == dict.fromkeys((*sums, "all"), 1)
+    sums = ["evaluate_learning", "describe", "evaluate_generation", "diagnose", "scores", "tables", "figure_of_fit"]
+    sums += ["claims", "uncertain", "present_uncertain", "figure_of_instructions", "report"]
+    sums += ["figure_of_categories", "count_confusions", "figure_of_generation", "ratings"]
+    assert ran == dict.fromkeys([*sums, "all"], 1)
     after = hashes(out)
     kept = [name for name in before if name.split("/")[0] in ("mcap", "percepts", "features", "fits")]
     assert {name: after[name] for name in kept} == {name: before[name] for name in kept}
