@@ -25,7 +25,7 @@ for name, set_name, trials in simulated_blocks():
         output:
             [log_path(name, set_name, trial) for trial in trials],
         log:
-            f"joblogs/collect/{name}_{set_name}_{trials[0]:04}-{trials[-1]:04}.log",
+            f"joblogs/collect/{name}/{set_name}_{trials[0]:04}-{trials[-1]:04}.log",
         group:
             "data"
         params:
@@ -49,7 +49,7 @@ rule pictures:
         trials="figures/{experiment}_trials.png",
         objects=["figures/{experiment}_objects.png", "figures/{experiment}_objects.pdf"],
     log:
-        "joblogs/figures/{experiment}_pictures.log",
+        "joblogs/figures/{experiment}/pictures.log",
     wildcard_constraints:
         experiment=sources("simulation"),
     params:

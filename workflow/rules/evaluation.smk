@@ -8,7 +8,7 @@ rule evaluate_learning:
     output:
         "scores/{experiment}_D{D}_csl.csv",
     log:
-        "joblogs/evaluate/{experiment}_D{D}_csl.log",
+        "joblogs/evaluate/{experiment}/D{D}_csl.log",
     params:
         conditions=lambda wildcards: columns(tested(wildcards, "csl")),
         words=lambda wildcards: study.experiments[wildcards.experiment].words,
@@ -24,7 +24,7 @@ rule diagnose:
         table="diagnostics/{experiment}_D{D}.csv",
         page="diagnostics/{experiment}_D{D}.html",
     log:
-        "joblogs/diagnose/{experiment}_D{D}.log",
+        "joblogs/diagnose/{experiment}/D{D}.log",
     params:
         conditions=chains_of,
         code=tracked("diagnose.py"),

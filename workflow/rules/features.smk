@@ -9,7 +9,7 @@ rule perceive:
     output:
         "percepts/{experiment}/{set}_{block}.npz",
     log:
-        "joblogs/perceive/{experiment}_{set}_{block}.log",
+        "joblogs/perceive/{experiment}/{set}_{block}.log",
     wildcard_constraints:
         experiment=sources("simulation", "logs"),
     params:
@@ -28,7 +28,7 @@ rule features:
         objects="features/{experiment}/D{D}/train_objects.parquet",
         transforms="features/{experiment}/D{D}/transforms.npz",
     log:
-        "joblogs/features/{experiment}_D{D}.log",
+        "joblogs/features/{experiment}/D{D}.log",
     wildcard_constraints:
         experiment=sources("simulation", "logs"),
     params:
@@ -48,7 +48,7 @@ rule test_features:
         trials="features/{experiment}/D{D}/{set}_trials.parquet",
         objects="features/{experiment}/D{D}/{set}_objects.parquet",
     log:
-        "joblogs/features/{experiment}_D{D}_{set}.log",
+        "joblogs/features/{experiment}/D{D}_{set}.log",
     wildcard_constraints:
         experiment=sources("simulation", "logs"),
         set="generation|description",
@@ -65,7 +65,7 @@ rule own_features:
         trials="features/{experiment}/D{D}/{set}_trials.parquet",
         objects="features/{experiment}/D{D}/{set}_objects.parquet",
     log:
-        "joblogs/own_features/{experiment}_D{D}_{set}.log",
+        "joblogs/own_features/{experiment}/D{D}_{set}.log",
     wildcard_constraints:
         experiment=sources("features"),
     params:

@@ -7,7 +7,7 @@ rule fit:
     output:
         FIT_PATH,
     log:
-        "joblogs/fit/{experiment}_{variant}_{method}_{inference}_D{D}_ROW{ROW}_seed{seed}.log",
+        "joblogs/fit/{experiment}/{variant}_{method}_{inference}_D{D}_ROW{ROW}_seed{seed}.log",
     params:
         **{
             key: lambda wildcards, key=key: settings(wildcards)[key]

@@ -41,7 +41,7 @@ rule figure_of_features:
     output:
         files_of("features"),
     log:
-        "joblogs/figures/{experiment}_features.log",
+        "joblogs/figures/{experiment}/features.log",
     wildcard_constraints:
         experiment=sources("simulation", "logs"),
     params:
@@ -59,7 +59,7 @@ rule figure_of_fit:
     output:
         **{figure: files_of(figure) for figure in FIT_FIGURES},
     log:
-        "joblogs/figures/{experiment}.log",
+        "joblogs/figures/{experiment}/fit.log",
     params:
         condition=lambda wildcards: vars(study.figure_condition(wildcards.experiment)),
         words=lambda wildcards: study.experiments[wildcards.experiment].words,
@@ -75,7 +75,7 @@ rule figure_of_instructions:
     output:
         files_of("instructions"),
     log:
-        "joblogs/figures/{experiment}_instructions.log",
+        "joblogs/figures/{experiment}/instructions.log",
     params:
         condition=lambda wildcards: vars(study.generation_condition(wildcards.experiment)),
         code=tracked("figure_of_instructions.py"),
@@ -94,7 +94,7 @@ rule present_uncertain:
         **{form: f"tables/{{experiment}}_uncertain.{form}" for form in TABLE_FORMS},
         **{form: f"figures/{{experiment}}_uncertain.{form}" for form in ("png", "pdf")},
     log:
-        "joblogs/figures/{experiment}_uncertain.log",
+        "joblogs/figures/{experiment}/uncertain.log",
     params:
         condition=lambda wildcards: vars(study.generation_condition(wildcards.experiment)),
         code=tracked("present_uncertain.py"),
@@ -111,7 +111,7 @@ rule figure_of_categories:
     output:
         **{figure: files_of(figure) for figure in CATEGORY_FIGURES},
     log:
-        "joblogs/figures/{experiment}_categories.log",
+        "joblogs/figures/{experiment}/categories.log",
     params:
         condition=lambda wildcards: vars(study.figure_condition(wildcards.experiment)),
         code=tracked("figure_of_categories.py"),
@@ -125,7 +125,7 @@ rule count_confusions:
     output:
         "confusion/{experiment}_D{D}.csv",
     log:
-        "joblogs/confusion/{experiment}_D{D}.log",
+        "joblogs/confusion/{experiment}/D{D}.log",
     params:
         words=lambda wildcards: study.experiments[wildcards.experiment].words,
         code=tracked("count_confusions.py"),
@@ -141,7 +141,7 @@ rule figure_of_confusion:
     output:
         [path.replace("proposed", "{method}") for path in files_of("confusion_proposed")],
     log:
-        "joblogs/figures/{experiment}_confusion_{method}.log",
+        "joblogs/figures/{experiment}/confusion_{method}.log",
     params:
         words=lambda wildcards: study.experiments[wildcards.experiment].words,
         code=tracked("figure_of_confusion.py"),
@@ -162,7 +162,7 @@ rule figure_of_generation:
         generation=files_of("generation"),
         action=files_of("action"),
     log:
-        "joblogs/figures/{experiment}_generation.log",
+        "joblogs/figures/{experiment}/generation.log",
     params:
         condition=lambda wildcards: vars(study.generation_condition(wildcards.experiment)),
         code=tracked("figure_of_generation.py"),

@@ -9,7 +9,7 @@ rule describe:
         scores="scores/{experiment}_D{D}_description.csv",
         descriptions="descriptions/{experiment}_D{D}.csv",
     log:
-        "joblogs/describe/{experiment}_D{D}.log",
+        "joblogs/describe/{experiment}/D{D}.log",
     params:
         conditions=lambda wildcards: columns(tested(wildcards, "description")),
         words=lambda wildcards: study.experiments[wildcards.experiment].words,
@@ -28,7 +28,7 @@ rule generate:
         scores=f"{GENERATION_PATH}/scores.csv",
         logs=directory(f"{GENERATION_PATH}/mcap"),
     log:
-        "joblogs/generate/{experiment}_{variant}_{method}_{inference}_D{D}_ROW{ROW}_seed{seed}.log",
+        "joblogs/generate/{experiment}/{variant}_{method}_{inference}_D{D}_ROW{ROW}_seed{seed}.log",
     params:
         data=lambda wildcards: study.experiments[wildcards.experiment].data,
         simulation=lambda wildcards: simulation_of(study.experiments[wildcards.experiment].data),
@@ -48,7 +48,7 @@ rule evaluate_generation:
     output:
         "scores/{experiment}_D{D}_generation.csv",
     log:
-        "joblogs/evaluate/{experiment}_D{D}_generation.log",
+        "joblogs/evaluate/{experiment}/D{D}_generation.log",
     params:
         conditions=lambda wildcards: columns(tested(wildcards, "generation")),
         words=lambda wildcards: study.experiments[wildcards.experiment].words,
@@ -64,7 +64,7 @@ rule uncertain:
     output:
         "uncertain/{experiment}_D{D}.csv",
     log:
-        "joblogs/uncertain/{experiment}_D{D}.log",
+        "joblogs/uncertain/{experiment}/D{D}.log",
     params:
         conditions=lambda wildcards: columns(tested(wildcards, "generation")),
         words=lambda wildcards: study.experiments[wildcards.experiment].words,
