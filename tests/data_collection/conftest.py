@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import pytest
 
 from data_collection.episode import calibrate, collect, execute
@@ -50,3 +52,9 @@ def calibration_log(simulation: Simulation) -> Log:
 def executed(simulation: Simulation) -> Log:
     command = Command(trial=1, gaze=(0.3, 0.0), target=None, finger_rate=0.0)
     return next(execute(simulation, experiment="simulator", seed=1, commands=[command], provenance=PROVENANCE))
+
+
+@pytest.fixture(scope="session")
+def shared_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder for cases that are too many to have one each."""
+    return tmp_path_factory.mktemp("hostile_logs")

@@ -1,0 +1,242 @@
+"""Sound logs of every kind, and every way to break a message of theirs, made from the table of channels."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from data_collection.joints import JOINT_NAMES
+from data_collection.limits import MAX_MESSAGE_BYTES, MAX_SENTENCE
+from data_collection.log import channels
+from data_collection.log.channels import CHANNELS, Channel, LogKind
+from data_collection.log.mcap_log import Log, LogError, Message, read_log
+from data_collection.log.messages import CameraInfo, JointState, Transform, Value
+from data_collection.log.trial import calibration, observation, truth
+from data_collection.log.validation import kind_of
+from tests.data_collection.raw_mcap import (
+    Raw,
+)
+
+NAN, INF = float("nan"), float("inf")
+TIME = 1_000_000_007
+SCENE: dict[str, Any] = {
+    "attended": 0,
+    "objects": [{"object": "cup", "color": "red", "place": "left", "position": [0.3, 0.1]}],
+}
+TEXTS = {
+    channels.SENTENCE: "grasp red cup",
+    channels.ROBOT_DESCRIPTION: "<robot/>",
+    channels.TRUTH_SCENE: json.dumps(SCENE),
+    channels.TRUTH_OUTCOME: json.dumps({"word": "grasp", "action": "grasp"}),
+    channels.CALIBRATION_PATTERN: json.dumps({"rows": 2, "columns": 2}),
+}
+POSES = np.tile([0.3, 0.1, 0.0, 0.0, 0.0, 0.0, 1.0], (4, 1))
+
+
+def sound(channel: Channel) -> Value:
+    """A value that a channel accepts."""
+    made: dict[str, Callable[[], Value]] = {
+        channels.IMAGE: lambda: np.arange(32 * 40 * 3).astype(np.uint8).reshape(32, 40, 3),
+        channels.CAMERA_INFO: lambda: CameraInfo(40, 32, np.diag([50.0, 51.0, 1.0]), np.zeros(5), "eye"),
+        channels.JOINT_STATE: lambda: JointState(JOINT_NAMES, np.zeros(25), np.zeros(25)),
+        channels.NUMBER: lambda: 0.5,
+        channels.NUMBERS: lambda: np.full(channel.value.length or 0, 0.5),
+        channels.POINT: lambda: POSES[0, :3],
+        channels.POSE: lambda: POSES[0],
+        channels.POSES: lambda: POSES,
+        channels.TRANSFORMS: lambda: (Transform("root", "hand", POSES[0]),),
+        channels.TEXT: lambda: TEXTS[channel.topic],
+    }
+    return made[channel.value.type]()
+
+
+@functools.cache
+def messages(kind: LogKind) -> tuple[Raw, ...]:
+    """A sound log of a kind, with all that it may hold."""
+    held = [channel for channel in CHANNELS if kind in channel.required + channel.optional]
+    return tuple(Raw.of(Message(channel.topic, TIME + i, sound(channel))) for i, channel in enumerate(held))
+
+
+def metadata(kind: LogKind) -> dict[str, str]:
+    return {"trial": "1", "set": "generation" if kind == "instruction" else "train"}
+
+
+def kind_with(channel: Channel) -> LogKind:
+    return (channel.required + channel.optional)[0]
+
+
+def use(path: Path) -> Log:
+    """Read a log as the study does, to the last field."""
+    log = read_log(path)
+    if kind_of(log) == "calibration":
+        calibration(log)
+    else:
+        observation(log)
+        truth(log)
+    return log
+
+
+Broken = tuple[str, Callable[[Raw], list[Raw]]]
+
+
+def wrong_envelopes(channel: Channel) -> Iterator[Broken]:
+    """What can be wrong with any message, whatever it holds."""
+
+    def changed(**change: Any) -> Callable[[Raw], list[Raw]]:
+        return lambda raw: [dataclasses.replace(raw, **change)]
+
+    def cut(part: float) -> Callable[[Raw], list[Raw]]:
+        return lambda raw: [dataclasses.replace(raw, data=raw.data[: int(part * len(raw.data))])]
+
+    others = sorted({other.value.type for other in CHANNELS} - {channel.value.type})
+    for other in (*others, "std_msgs/msg/Nonsense", ""):
+        yield f"type {other}", changed(type=other)
+    for encoding in ("json", "ros1", "protobuf", ""):
+        yield f"encoding {encoding!r}", changed(encoding=encoding)
+        yield f"schema encoding {encoding!r}", changed(schema_encoding=encoding)
+    yield "no bytes", changed(data=b"")
+    yield "half the bytes", cut(0.5)
+    yield "four bytes", changed(data=b"\0\1\0\0")
+    yield (
+        "lengths of 4 GiB",
+        lambda raw: [dataclasses.replace(raw, data=raw.data[:4] + b"\xff" * (len(raw.data) - 4))],
+    )
+    if channel.value.type != channels.IMAGE:
+        yield "too many bytes", changed(data=bytes(MAX_MESSAGE_BYTES + 1))
+    if channel.once:
+        yield "twice", lambda raw: [raw, raw]
+
+
+def wrong_values(channel: Channel) -> Iterator[tuple[str, Value]]:
+    """Every field of a value, broken in every way that it can be written."""
+    value = sound(channel)
+    if channel.value.type == channels.IMAGE:
+        yield "8 × 8 pixels", np.zeros((8, 8, 3), np.uint8)
+        yield "one row", np.zeros((1, 400, 3), np.uint8)
+    elif channel.value.type == channels.TEXT:
+        yield from wrong_texts(channel)
+    elif isinstance(value, CameraInfo):
+        for change in ({"width": 0}, {"height": 0}, {"width": 100_000, "height": 100_000}):
+            yield f"size {change}", dataclasses.replace(value, **change)
+        for at in np.ndindex(3, 3):
+            for bad in (NAN, INF, -INF):
+                yield f"K{list(at)} {bad}", dataclasses.replace(value, K=put(value.K, at, bad))
+        for at in ((0, 0), (1, 1)):
+            for bad in (0.0, -1.0):
+                yield f"K{list(at)} {bad}", dataclasses.replace(value, K=put(value.K, at, bad))
+        for index in range(5):
+            for bad in (NAN, INF, -INF):
+                yield f"D[{index}] {bad}", dataclasses.replace(value, D=put(value.D, index, bad))
+        for size in (1, 6, 1000):
+            yield f"D of {size}", dataclasses.replace(value, D=np.zeros(size))
+    elif isinstance(value, JointState):
+        yield from wrong_joints(value)
+    elif isinstance(value, tuple):
+        for index in range(7):
+            for bad in (NAN, INF, -INF):
+                yield f"pose[{index}] {bad}", (Transform("root", "hand", put(POSES[0], index, bad)),)
+    else:
+        numbers = np.asarray(value, dtype=np.float64)
+        for at in (at for at in np.ndindex(numbers.shape) if channel.value.type != channels.POSES or at[0] == 1):
+            for bad in (NAN, INF, -INF, (channel.value.lowest or 0) - 1e-6, (channel.value.highest or 0) + 1e-6):
+                yield f"{list(at)} {bad}", put(numbers, at, bad)
+        if channel.value.type == channels.NUMBERS:
+            for size in (0, channel.value.length - 1, channel.value.length + 1, 100_000):
+                yield f"{size} numbers", np.zeros(size)
+
+
+def wrong_joints(value: JointState) -> Iterator[tuple[str, Value]]:
+    for j, name in enumerate(JOINT_NAMES):
+        yield f"{name} unknown", dataclasses.replace(value, names=(*JOINT_NAMES[:j], "tail", *JOINT_NAMES[j + 1 :]))
+        for bad in (NAN, INF, 90.0):
+            yield f"{name} at {bad}", dataclasses.replace(value, position=put(value.position, j, bad))
+        yield f"{name} moves nan", dataclasses.replace(value, velocity=put(value.velocity, j, NAN))
+    yield "a name missing", dataclasses.replace(value, names=JOINT_NAMES[:-1])
+    yield "a name twice", dataclasses.replace(value, names=(*JOINT_NAMES, JOINT_NAMES[0]))
+    yield "a velocity of -inf", dataclasses.replace(value, velocity=put(value.velocity, 3, -INF))
+    for size in (0, 24, 26, 10_000):
+        yield f"{size} positions", dataclasses.replace(value, position=np.zeros(size))
+    for size in (1, 24, 26, 10_000):
+        yield f"{size} velocities", dataclasses.replace(value, velocity=np.zeros(size))
+    yield "another order", dataclasses.replace(value, names=JOINT_NAMES[::-1])
+    yield "no names", dataclasses.replace(value, names=())
+
+
+BAD_WORDS = ("x" * 41, "=1+1", "+1", "-1", "@cmd", "a\0b", "\x1b[31m", "a\u200bb", "\u202eb", "a\ufeff", "NA", "12")
+
+
+def wrong_texts(channel: Channel) -> Iterator[tuple[str, Value]]:
+    if channel.topic == channels.SENTENCE:
+        for word in BAD_WORDS:
+            yield f"word {word[:9]!r}", f"grasp {word}"
+        yield "many words", "red " * (MAX_SENTENCE + 1)
+        return
+    if channel.topic == channels.ROBOT_DESCRIPTION:
+        return
+    yield from {"empty": "", "half": "{", "deep": "[" * 100_000, "no mapping": "3", "null": "null"}.items()
+    valid: dict[str, Any] = json.loads(TEXTS[channel.topic])
+    bad: Any
+    if channel.topic == channels.CALIBRATION_PATTERN:
+        for key in valid:
+            for bad in (None, "2", 2.0, True, [2], 0, -2, 1, 3, 1001, 10**30, NAN, INF):
+                yield f"{key} {bad!r}", json.dumps(valid | {key: bad})
+            yield f"no {key}", json.dumps({other: valid[other] for other in valid if other != key})
+    elif channel.topic == channels.TRUTH_OUTCOME:
+        for bad in (None, 3, ["grasp"], "", "two words", *BAD_WORDS):
+            yield f"word {bad!r}", json.dumps({"word": bad})
+        yield "no word", "{}"
+    else:
+        for bad in (None, "0", 0.5, [0], -1, 1, 10**30, NAN, INF):
+            yield f"attended {bad!r}", json.dumps(valid | {"attended": bad})
+        for bad in (None, 3, "text", {}, [], [3], [None]):
+            yield f"objects {bad!r}", json.dumps(valid | {"objects": bad})
+        for key in valid:
+            yield f"no {key}", json.dumps({other: valid[other] for other in valid if other != key})
+        only = valid["objects"][0]
+        for key in only:
+            yield (
+                f"objects[0] without {key}",
+                json.dumps(valid | {"objects": [{other: only[other] for other in only if other != key}]}),
+            )
+            wrong = (None, 3, "x", [0.3], [0.3, 0.1, 0.0], [0.3, NAN], [INF, 0.1], [[0.3], 0.1], ["a", "b"])
+            for bad in wrong if key == "position" else (None, 3, ["cup"], "", "two words", *BAD_WORDS):
+                yield f"objects[0].{key} {bad!r}", json.dumps(valid | {"objects": [only | {key: bad}]})
+
+
+def put(values: Any, at: Any, value: float) -> Any:
+    """A copy with one number replaced; a number by itself is replaced whole."""
+    changed = np.array(values, dtype=np.float64)
+    changed[at] = value
+    return float(changed) if changed.ndim == 0 else changed
+
+
+def cases() -> Iterator[Any]:
+    for channel in CHANNELS:
+        for label, change in wrong_envelopes(channel):
+            yield pytest.param(channel, change, id=f"{channel.topic}-{label}")
+        for label, value in wrong_values(channel):
+
+            def remade(raw: Raw, value: Value = value) -> list[Raw]:
+                return [Raw.of(Message(raw.topic, raw.time, value))]
+
+            yield pytest.param(channel, remade, id=f"{channel.topic}-{label!s:.60}")
+
+
+CASES = list(cases())
+
+
+def refusal(folder: Path, content: bytes) -> str:
+    """The error that a file is refused by; it names the file."""
+    path = folder / "trial_0007.mcap"
+    path.write_bytes(content)
+    with pytest.raises(LogError) as caught:
+        use(path)
+    assert str(path) in str(caught.value)
+    return str(caught.value)
