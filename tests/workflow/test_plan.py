@@ -1,0 +1,114 @@
+"""From a config to the plan of a study: defaults, conditions, and the fits that figures show."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import yaml
+
+from tests.synthetic import WORDS
+from tests.workflow.configs import FILE, minimal
+from workflow.plan.config import SCHEMAS, default
+from workflow.plan.loading import load_study, plan
+from workflow.plan.study import Study
+
+
+def study(config: dict[str, Any]) -> Study:
+    return plan(config, FILE)
+
+
+def test_defaults_are_filled_in() -> None:
+    settings = study(minimal()).experiments["own"].settings
+    assert (settings["seed"], settings["iterations"], settings["seeds"], settings["ROW"]) == (1, 200, 10, [0])
+    assert settings["methods"] == default("methods") == ["proposed", "no_mec2", "mmlda"]
+
+
+def test_an_experiments_own_value_wins() -> None:
+    config = minimal(iterations=7) | {"iterations": 9, "chains": 3}
+    settings = study(config).experiments["own"].settings
+    assert (settings["iterations"], settings["chains"]) == (7, 3)
+
+
+def test_the_paths_of_the_fits() -> None:
+    config = minimal(
+        ROW=[0, 40], seeds=2, methods=["mmlda"], averaged_draws=[1, 100], variants={"narrow": {"V0": 0.1}}
+    )
+    paths = [condition.path for condition in study(config).conditions("own")]
+    assert len(paths) == len(set(paths)) == (2 * 2 + 2) * 2
+    both = study(minimal(inference=["blocked", "collapsed"], averaged_draws=[1, 100])).conditions("own")
+    assert {c.inference for c in both} == {"blocked", "blocked_averaged100", "collapsed"}
+    assert "fits/own/narrow/mmlda/blocked_averaged100/D6/ROW40/seed2.npz" in paths
+    assert "fits/own/narrow/gmm/blocked/D6/ROW100/seed1.npz" in paths
+
+
+def test_a_variant_is_run_only_where_it_says() -> None:
+    few = {"K": 5, "only": {"methods": ["proposed"], "D": [8], "ROW": [40]}}
+    own = study(minimal(D=[6, 8], ROW=[0, 40], seeds=2, variants={"default": {}, "few": few}))
+    conditions = list(own.conditions("own"))
+    assert [c.path for c in conditions if c.variant == "few"] == [
+        f"fits/own/few/proposed/blocked/D8/ROW40/seed{seed}.npz" for seed in (1, 2)
+    ]
+    assert len(conditions) == 2 * 2 * (3 * 2 + 1) + 2  # of the other variant all, ALL included
+    assert own.experiments["own"].priors("few")["action"] == {"categories": 5}
+    assert own.experiments["own"].partial_variants == ["few"]
+    alone = study(minimal(variants={"few": {"K": 5, "only": {"ROW": [0]}}})).experiments["own"]
+    assert alone.partial_variants == []
+
+
+def test_only_speaks_of_the_reference_by_its_name() -> None:
+    def methods(**only: Any) -> set[str]:
+        own = study(minimal(ROW=[0, 40], variants={"few": {"only": only}}))
+        return {condition.method for condition in own.conditions("own")}
+
+    assert methods(ROW=[40]) == {"proposed", "no_mec2", "mmlda", "gmm"}
+    assert methods(methods=["mmlda"]) == {"mmlda"}
+    assert methods(methods=["mmlda", "gmm"]) == {"mmlda", "gmm"}
+
+
+def test_the_fit_that_figures_show() -> None:
+    variants = {"default": {}, "few": {"K": 5, "only": {"methods": ["mmlda"], "D": [6]}}}
+
+    def shown(**figure: Any) -> tuple[str, str, int, int]:
+        own = study(minimal(D=[6, 8], ROW=[0, 40], variants=variants, figure=figure))
+        condition = own.figure_condition("own")
+        assert condition is not None
+        assert [one.seed for one in own.seeds(condition)] == list(range(1, 11))
+        return condition.variant, condition.method, condition.D, condition.ROW
+
+    assert shown() == ("default", "proposed", 8, 0)
+    assert shown(ROW=40) == ("default", "proposed", 8, 40)
+    assert shown(variant="few") == ("few", "mmlda", 6, 0)
+    assert shown(method="no_mec2", D=6) == ("default", "no_mec2", 6, 0)
+
+
+def test_the_fit_whose_actions_are_shown() -> None:
+    own = study(minimal(D=[6, 8], ROW=[0, 40], generation={"D": [6, 8], "ROW": [40]}))
+    condition = own.generation_condition("own")
+    assert condition is not None
+    assert (condition.method, condition.D, condition.ROW) == ("proposed", 8, 40)
+    assert study(minimal(generation={"sentences": 0})).generation_condition("own") is None
+
+
+def test_hyperparameters_by_channel() -> None:
+    config = minimal(K={"action": 5}, variants={"v": {"alpha": 0.5, "gamma": {"color": 2.0}}})
+    priors = study(config).experiments["own"].priors("v")
+    assert priors["action"] == {"categories": 5, "concentration": 0.5}
+    assert priors["color"] == {"concentration": 0.5, "word_concentration": 2.0}
+
+
+def test_blocks_of_trials_stay_when_more_are_added() -> None:
+    few, many = (study(minimal(D=D)).blocks("own") for D in ([25], [25, 40]))
+    assert few == many[:3]
+    assert [len(block) for block in many] == [10] * 4
+
+
+def test_trials_of_an_experiment_that_others_share() -> None:
+    experiments = {"a": {"words": WORDS, "D": [6]}, "b": {"data": "a", "D": [21]}}
+    assert study({"experiments": experiments}).trials("a", "train") == range(1, 31)
+
+
+def test_the_configs_of_the_project_are_valid() -> None:
+    root = SCHEMAS.parent.parent
+    for path in sorted((root / "config").glob("*.yaml")):
+        assert load_study(path).experiments
+        assert yaml.safe_load(path.read_text())["experiments"]
