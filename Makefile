@@ -17,7 +17,7 @@ BENCH_TRIALS := $(foreach D,20 40,features/simulator/D$(D)/train_trials.parquet)
 SOURCES := data_collection features model evaluation workflow tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study smoke snakemake-report compare verify cache-info cache-clean test test-slow lint format bench docs lock reference reference-bench clean
+.PHONY: help setup study smoke snakemake-report compare verify cache-info cache-clean test test-slow lint format bench scale docs lock reference reference-bench clean
 
 help:
 	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=n] [CACHE=folder]  run a study"
@@ -28,6 +28,7 @@ help:
 	@echo "make cache-info | cache-clean [CACHE=folder]   the cache of artifacts that all runs share"
 	@echo "make snakemake-report [CONFIG=…] [OUT=…]   the study, and Snakemake's own report of it (workflow, run times, results)"
 	@echo "make test | test-slow | lint | format | bench | docs"
+	@echo "make scale   a study with ten times the trials and seeds (hours), and what an even larger one would need"
 	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
 	@echo "make reference | reference-bench   run the study, or the benchmarks, and keep what they show in results/reference"
 	@echo "make clean   remove results but results/reference"
@@ -97,6 +98,13 @@ bench: $(READY)
 	$(RUN) --config config/config.yaml --out $(OUT)/bench/study -- $(BENCH_TRIALS)
 	$(PYTHON) -m benchmarks.comparison --out $(OUT)/bench \
 		$(foreach trials,$(BENCH_TRIALS),$(OUT)/bench/study/$(trials) $(OUT)/bench/study/$(trials:trials.parquet=objects.parquet))
+
+# Ten times the trials and ten times the seeds, and what a study that is again ten times as large would need.
+scale: $(READY)
+	@mkdir -p $(OUT)/bench
+	$(PYTHON) -m benchmarks.scale config $(CONFIG) --trials 10 --seeds 10 > $(OUT)/bench/scale.yaml
+	$(RUN) --config $(OUT)/bench/scale.yaml --out $(OUT)/scale
+	$(PYTHON) -m benchmarks.scale needs $(OUT)/scale --times 10 > $(OUT)/bench/scale.md
 
 docs: $(READY)
 	$(PYTHON) -m workflow.plan.reference docs/config.md

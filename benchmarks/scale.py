@@ -1,0 +1,142 @@
+"""Larger studies: their configs, and what they need.
+
+`python -m benchmarks.scale config FILE --trials 10 --seeds 10` prints a config with ten times the trials and seeds.
+`python -m benchmarks.scale needs STUDY --times 1000` prints a page: what each stage of a finished study took in time
+and room, and what a study with so many times its jobs would take.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import yaml
+
+from benchmarks.jobs import job_times
+from benchmarks.summary import markdown, processor
+from workflow.artifacts.manifest import read_manifest
+from workflow.plan.config import read_config
+
+CORES = (2, 100, 1000)
+RUN = "workflow"  # the stage of the run itself, which one process does
+_PAGE = """# What a study needs
+
+Written by `python -m benchmarks.scale needs`. {processor}; seconds are processor time. “× {times:,}” is a study with
+so many times as many jobs of the same kind.
+
+## Time
+
+{time}
+
+The stage `{run}` is the run itself, which lays jobs out, starts them and keeps what they made: one process, whatever
+the number of cores; what it takes is a lower bound. All other stages share the cores. Here jobs were forks of one
+process; where each starts its own Python, as on a cluster, 1 to 3 s a job come on top.
+
+{wall}
+
+## Room
+
+{room}
+"""
+
+
+def larger(config: Mapping[str, Any], trials: int, seeds: int) -> dict[str, Any]:
+    """The same study with so many times its trials (D, wherever a config names it) and its seeds."""
+
+    def grown(value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return {key: _times(inner, trials) if key == "D" else grown(inner) for key, inner in value.items()}
+        return value
+
+    result: dict[str, Any] = grown(config)
+    for own in result["experiments"].values():
+        own["seeds"] = seeds * own.get("seeds", result.get("seeds", 10))
+    return result
+
+
+def needs(stages: pd.DataFrame, sizes: Mapping[str, int], times: int) -> str:
+    """The page.
+
+    Args:
+        stages: rows of `job_times`, one of them the run itself.
+        sizes: bytes of the artifacts by folder.
+        times: how many times as many jobs.
+    """
+    rows = []
+    for stage, jobs, seconds in zip(stages["stage"], stages["jobs"], stages["processor"], strict=True):
+        more = jobs if stage == RUN else times * jobs
+        rows.append(
+            [stage, f"{jobs:,}", f"{seconds / jobs:.3g}", _hours(seconds), f"{more:,}", _hours(times * seconds)]
+        )
+    shared = float(stages.loc[stages["stage"] != RUN, "processor"].sum())
+    alone = float(stages.loc[stages["stage"] == RUN, "processor"].sum())
+    wall = [[f"{cores:,}", *(_hours(n * max(shared / cores, alone)) for n in (1, times))] for cores in CORES]
+    largest = sorted(sizes.items(), key=lambda item: -item[1])
+    room = [[name, _gib(size), _gib(times * size)] for name, size in [*largest, ("all", sum(sizes.values()))]]
+    hours = "core-hours"
+    return _PAGE.format(
+        processor=processor(),
+        times=times,
+        run=RUN,
+        time=markdown(["stage", "jobs", "seconds a job", hours, f"jobs × {times:,}", f"{hours} × {times:,}"], rows),
+        wall=markdown(["cores", "hours, at least", f"hours × {times:,}, at least"], wall),
+        room=markdown(["folder", "GiB", f"GiB × {times:,}"], room),
+    )
+
+
+def sizes_of(study: Path) -> dict[str, int]:
+    """Bytes of the artifacts of a finished study by folder; those in none by name.
+
+    Raises:
+        ValueError: The study was not run to its end.
+    """
+    sizes: dict[str, int] = {}
+    for path, record in read_manifest(study).items():
+        folder = path.split("/")[0]
+        sizes[folder] = sizes.get(folder, 0) + record.size
+    return sizes
+
+
+def main() -> int:
+    """Read the command line and do what it says."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.scale", description=__doc__.split("\n")[0])
+    commands = parser.add_subparsers(dest="command", required=True)
+    config = commands.add_parser("config", help="print a config with more trials and seeds")
+    config.add_argument("file", type=Path, help="the config to start from")
+    config.add_argument("--trials", type=int, default=10, help="how many times its trials (default 10)")
+    config.add_argument("--seeds", type=int, default=10, help="how many times its seeds (default 10)")
+    told = commands.add_parser("needs", help="what a study took, and what a larger one would take")
+    told.add_argument("study", type=Path, help="output folder of a finished study")
+    told.add_argument("--times", type=int, default=1000, help="how many times its jobs (default 1000)")
+    arguments = parser.parse_args()
+    try:
+        if arguments.command == "config":
+            grown = larger(read_config(arguments.file), arguments.trials, arguments.seeds)
+            text = yaml.safe_dump(grown, sort_keys=False, default_flow_style=None, allow_unicode=True)
+        else:
+            text = needs(job_times(arguments.study / "joblogs"), sizes_of(arguments.study), arguments.times)
+    except ValueError as error:
+        sys.stderr.write(f"{error}\n")
+        return 2
+    sys.stdout.write(text)
+    return 0
+
+
+def _times(value: Any, times: int) -> Any:
+    return [times * each for each in value] if isinstance(value, Sequence) else times * value
+
+
+def _hours(seconds: float) -> str:
+    return f"{seconds / 3600:,.3g}" if seconds < 3.6e6 else f"{seconds / 3600:,.0f}"
+
+
+def _gib(size: float) -> str:
+    return f"{size / 2**30:,.2g}" if size < 100 * 2**30 else f"{size / 2**30:,.0f}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
