@@ -40,4 +40,4 @@ rule all:
         expand("tables/{experiment}_uncertain.{form}", experiment=INSTRUCTED, form=TABLE_FORMS),
         list(figure_files()),
         list(rating_keys()),
-        [f"diagnostics/{name}_D{D}.html" for name in study.experiments for D in study.experiments[name].settings["D"]],
+        expand("diagnostics/{chains}.html", chains=diagnosed()),

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from data_collection.episode import calibrate, collect, execute
+from data_collection.episode import SETS, calibrate, collect, execute
+from data_collection.limits import MAX_TRIAL
 from data_collection.log.mcap_log import Log, LogError
 from data_collection.settings import Simulation
 from data_collection.task import Command
@@ -47,6 +48,10 @@ def regenerate(log: Log) -> Log:
         simulation = Simulation.from_mapping(json.loads(log.metadata["settings"]))
         seed, trial = int(log.metadata["seed"]), int(log.metadata["trial"])
         commands = [Command(**json.loads(log.metadata["command"]))] if "command" in log.metadata else []
+        if log.metadata["set"] not in (*SETS, "calibration"):
+            raise ValueError(f"set {log.metadata['set']!r} is none of {', '.join(SETS)}, calibration")
+        if seed < 0 or not 0 <= trial <= MAX_TRIAL:
+            raise ValueError(f"seed {seed} and trial {trial}: at least 0, and at most {MAX_TRIAL:,} trials")
     except (ValueError, TypeError, RecursionError) as error:
         raise LogError(f"{log.source}: its metadata do not fit this version:\n{error}") from error
     experiment, set_name = log.metadata["experiment"], log.metadata["set"]

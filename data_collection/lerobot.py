@@ -58,13 +58,14 @@ def export(logs: Sequence[Path], folder: Path) -> None:
         folder: New folder.
 
     Raises:
-        LogError: A log is damaged or invalid, or none holds a trial, or they differ in size of images.
+        LogError: A log is damaged or invalid, or none holds a trial, or they differ in size of images
+            or in rate.
         FileExistsError: The folder is there already.
     """
     if folder.exists():
         raise FileExistsError(f"{folder} is there already")
     folder.parent.mkdir(parents=True, exist_ok=True)
-    part = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
+    part = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=".part", dir=folder.parent))
     try:
         _write(part, logs)
         part.chmod(0o755)
@@ -89,8 +90,12 @@ def _write(folder: Path, logs: Sequence[Path]) -> None:
             shape = episode.pictures[0].shape
             if size is not None and shape != size:
                 raise LogError(f"trial {len(rows)} of the export has images of {shape}, the first one of {size}")
+            own_rate = _rate(episode.times)
             if size is None:
-                size, rate = shape, _rate(episode.times)
+                size, rate = shape, own_rate
+            if abs(own_rate - rate) > 0.1 * rate:
+                says = f"has {own_rate:g} joint states a second, the first one {rate:g}"
+                raise LogError(f"trial {len(rows)} of the export {says}")
             task = tasks.setdefault(episode.task, len(tasks))
             table = _table(episode, len(rows), start, task, rate)
             writer = writer or parquet.ParquetWriter(path, table.schema, compression="zstd")

@@ -1,18 +1,10 @@
-"""What is read at most from files of strangers, and what a word may be. Every reader takes its limits from here.
+"""What is read at most of a stranger's log, and what a word may be.
 
-The limits are far above what a study needs; they keep an absurd or forged file from taking all memory or time.
+The limits here, and in the modules of this name in `features` and `workflow.plan`, are far above what a study needs;
+they keep an absurd or forged file from taking all memory or time.
 """
 
 import re
-
-MAX_CONFIG_BYTES = 250_000
-"""Size of a config file; the largest vocabulary that is allowed fits."""
-MAX_CONFIG_VALUES = 20_000
-"""Values in a config file: scalars, lists and mappings."""
-MAX_NUMBER_LENGTH = 100
-"""Characters of a number in a config file."""
-MAX_FITS = 100_000
-"""Fits, and jobs that simulate, of one experiment."""
 
 MAX_LOG_BYTES = 2**26
 """Size of a log, and of what all its chunks unpack to."""
@@ -29,23 +21,6 @@ MAX_SENTENCE = 100
 MAX_TRIAL = 1_000_000
 """Largest number of a trial of a log."""
 
-MAX_TABLE_BYTES = 2**30
-"""Size of a Parquet file, and of what it says to unpack to."""
-MAX_TABLE_ROWS = 2_000_000
-"""Rows of a Parquet file, and texts in one of its columns."""
-MAX_TABLE_VALUES = 50_000_000
-"""Numbers in one column of a Parquet file (rows × list length)."""
-
-MAX_VECTOR_LENGTH = 1000
-"""Numbers of one vector of features; the model squares it."""
-MAX_NUMBER = 1e9
-"""Largest size of one number of features; the model squares it."""
-MAX_TEXT_BYTES = 160
-"""Bytes of one text of a Parquet file: 40 characters of up to four bytes, see `WORD_PATTERN`."""
-
-MAX_ARRAYS_BYTES = 2**33
-"""What the arrays of one npz file unpack to: percepts of 1,000 trials take about 100 MB."""
-
 PATH_PATTERN = r"^[^\u0000-\u001f\u007f\ud800-\udfff]+$(?!\n)"
 """The path of a file that a config names: no control characters."""
 _READ_AS_ELSE = ("NA", "N/A", "#NA", "#N/A", "<NA>", "nan", "null", "none", "true", "false", "inf", "infinity")
@@ -58,11 +33,11 @@ NAME_RULE = "a letter, then up to 39 letters, digits, _ or -; not NA, nan, null,
 _INVISIBLE = (
     r"\s\u0000-\u001f\u007f-\u00a0\u00ad\u200b-\u200f\u202a-\u202e\u2060-\u206f\ud800-\udfff\ufeff\ufff0-\uffff"
 )
-WORD_PATTERN = rf"^{_NOT_READ_AS_ELSE}(?![=+@-])(?!\.?[0-9][0-9.eE+-]*$)[^{_INVISIBLE}]{{1,40}}$(?!\n)"
+WORD_PATTERN = rf"^{_NOT_READ_AS_ELSE}(?![=+@/-])(?!\.?[0-9][0-9.eE+-]*$)[^{_INVISIBLE}]{{1,40}}$(?!\n)"
 """A word, for JSON schema and for Python: 1 to 40 characters, all visible, none white space. It does not begin like a
-formula, which a spreadsheet would run when it opens a table; nor would a table be read as if a number stood there, or
-nothing. `$` alone would let a line feed pass in Python."""
-WORD_RULE = "1 to 40 visible characters, no number, not beginning with =, +, - or @, and not NA, nan, null, none, …"
+formula, which a spreadsheet would run when it opens a table, or like a path; nor would a table be read as if a number
+stood there, or nothing. `$` alone would let a line feed pass in Python."""
+WORD_RULE = "1 to 40 visible characters, no number, not beginning with =, +, -, @ or /; not NA, nan, null, none, …"
 _WORD = re.compile(WORD_PATTERN)
 
 

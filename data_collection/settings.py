@@ -252,6 +252,8 @@ class Simulation:
                 found.append(
                     f"{where}.shade: {kind.color!r} has only {len(self.colors[kind.color])} shades, counted from 0"
                 )
+            if kind in self.objects[:number]:
+                found.append(f"{where}: the same as objects[{self.objects.index(kind)}]; each may be listed once")
         for word, (x, y) in self.places.items():
             if not (self.table.near + 0.05 <= x <= 0.42 and abs(y) <= 0.22):
                 found.append(

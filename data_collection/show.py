@@ -2,13 +2,13 @@
 
 import json
 import math
-import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from data_collection import task
+from data_collection.files import replacing
 from data_collection.log import channels
 from data_collection.log.mcap_log import Log
 from data_collection.log.messages import Image, JointState
@@ -115,7 +115,8 @@ def save_png(path: Path, image: Image) -> None:
     """Write a picture; the file appears only when it is complete."""
     from PIL import Image as Pillow
 
-    _replace(path, lambda name: Pillow.fromarray(image).save(name, format="PNG"))
+    with replacing(path) as (temporary,):
+        Pillow.fromarray(image).save(temporary, format="PNG")
 
 
 def save_gif(path: Path, frames: list[Image], rate: float, hold: float = 0.0) -> None:
@@ -125,20 +126,10 @@ def save_gif(path: Path, frames: list[Image], rate: float, hold: float = 0.0) ->
     pictures = [Pillow.fromarray(frame) for frame in frames]
     step = max(20, round(1000.0 / rate))
     durations = [step] * (len(frames) - 1) + [step + round(1000.0 * hold)]
-    _replace(
-        path,
-        lambda name: pictures[0].save(
-            name, format="GIF", save_all=True, append_images=pictures[1:], duration=durations, loop=0
-        ),
-    )
-
-
-def _replace(path: Path, write: Callable[[Path], None]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-        name = Path(folder, path.name)
-        write(name)
-        name.replace(path)
+    with replacing(path) as (temporary,):
+        pictures[0].save(
+            temporary, format="GIF", save_all=True, append_images=pictures[1:], duration=durations, loop=0
+        )
 
 
 def _placed(log: Log) -> list[task.Placed]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -140,8 +141,12 @@ def _place(cell: pd.Series[str]) -> str:
 
 def _line(cell: pd.Series[str]) -> str:
     sides = (
-        f"{cell[f'mean_{name}']:.3f} ± {cell[f'sd_{name}']:.3f} (n = {cell[f'n_{name}']:.0f})"
+        f"{_number(cell[f'mean_{name}'], '.3f')} ± {_number(cell[f'sd_{name}'], '.3f')} (n = {cell[f'n_{name}']:.0f})"
         for name in ("results", "reference")
     )
     where = f"{_place(cell)} ROW {cell['ROW']} {cell['method']} {cell['measure']}"
-    return f"  {where}: {' against '.join(sides)}, p = {float(cell['p']):.2g}".replace("nan", "–")
+    return f"  {where}: {' against '.join(sides)}, p = {_number(cell['p'], '.2g')}"
+
+
+def _number(value: str, form: str) -> str:
+    return "–" if math.isnan(float(value)) else format(float(value), form)

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from data_collection.files import replacing
 from evaluation.figures.chains import chains_figure
 from evaluation.scores import write_csv
-from features.files import replacing
 from model import METHODS, Fit
 from model.data import Floats
 from model.diagnostics import chain_quantities, diagnose

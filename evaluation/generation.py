@@ -10,14 +10,12 @@ import pandas as pd
 
 from data_collection.task import Command
 from evaluation.scores import write_csv
+from features.action import FINGER_RATE
 from features.table import FeatureTable
 from features.transforms import Transforms
 from model import Fit
 from model.data import Floats
 from model.prediction import Answer, understand
-
-FINGER_RATE = 3
-"""Which of the numbers of an action is the rate at which the fingers bend (features.action)."""
 
 
 def objects_of(table: FeatureTable, row: int) -> dict[str, Floats]:

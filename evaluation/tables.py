@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from data_collection.files import replacing
 from evaluation.catalogue import Table, cell_name
 from evaluation.differences import SHARED, differences, readable_differences
 from evaluation.table_forms import Grid, text_forms
-from features.files import replacing
 from model import METHODS
 
 # What tells one row of a table from another, most general first; a key with one value is left out.

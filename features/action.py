@@ -25,6 +25,8 @@ log = logging.getLogger(__name__)
 
 HAND = slice(0, 3)
 """The numbers of an action that place the hand relative to the object."""
+FINGER_RATE = 3
+"""The number of an action that is the rate at which the fingers bend."""
 _FAR_OUTSIDE = 0.1
 
 
@@ -34,12 +36,12 @@ def action_names(joint_names: Sequence[str]) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class ActionScale:
-    """What maps raw actions to [0, 1] and back; a range of zero maps to 0.
+class Scale:
+    """What maps raw numbers to [0, 1] and back; a range of zero maps to 0.
 
     Attributes:
-        lowest: float64 (dim_a,), raw value that becomes 0.
-        highest: float64 (dim_a,), raw value that becomes 1.
+        lowest: float64 (dim,), raw value that becomes 0.
+        highest: float64 (dim,), raw value that becomes 1.
 
     """
 
@@ -47,26 +49,28 @@ class ActionScale:
     highest: Array
 
     def scale(self, raw: Array) -> Array:
-        """Scale raw actions (…, dim_a), and leave what lies beyond the ranges beyond them."""
+        """Scale raw numbers (…, dim), and leave what lies beyond the ranges beyond them."""
         width = self.highest - self.lowest
         return np.where(width > 0, (raw - self.lowest) / np.where(width > 0, width, 1), 0.0)
 
     def unscale(self, scaled: Array) -> Array:
-        """Undo `scale` for actions (…, dim_a)."""
+        """Undo `scale` for numbers (…, dim)."""
         return self.lowest + scaled * (self.highest - self.lowest)
 
-    def hand_target(self, action: Array, object_position: Array, table_height: float) -> Array:
-        """Give where an action puts the hand, metres in the robot frame.
 
-        Args:
-            action: (…, dim_a), scaled, as the model knows it.
-            object_position: (…, 2), metres on the table.
-            table_height: z of the table, metres.
+def hand_target(scale: Scale, action: Array, object_position: Array, table_height: float) -> Array:
+    """Give where an action puts the hand, metres in the robot frame.
 
-        """
-        relative = self.unscale(action)[..., HAND]
-        height = np.full((*object_position.shape[:-1], 1), table_height)
-        return np.asarray(relative + np.concatenate([object_position, height], axis=-1))
+    Args:
+        scale: of actions.
+        action: (…, dim_a), scaled, as the model knows it.
+        object_position: (…, 2), metres on the table.
+        table_height: z of the table, metres.
+
+    """
+    relative = scale.unscale(action)[..., HAND]
+    height = np.full((*object_position.shape[:-1], 1), table_height)
+    return np.asarray(relative + np.concatenate([object_position, height], axis=-1))
 
 
 def within_limits(scaled: Array, names: Sequence[str], trials: NDArray[np.int64]) -> Array:
@@ -84,7 +88,7 @@ def within_limits(scaled: Array, names: Sequence[str], trials: NDArray[np.int64]
     return bounded
 
 
-def fit_action_scale(hands: Array, joint_lower: Array, joint_upper: Array) -> ActionScale:
+def fit_action_scale(hands: Array, joint_lower: Array, joint_upper: Array) -> Scale:
     """Scale the hand by its range over the training trials, joints by their limits, the rest by 0 to 1.
 
     Args:
@@ -94,7 +98,7 @@ def fit_action_scale(hands: Array, joint_lower: Array, joint_upper: Array) -> Ac
 
     """
     rest = np.zeros(len(TACTILE_NAMES))
-    return ActionScale(
+    return Scale(
         np.concatenate([hands.min(axis=0), [0.0], joint_lower, rest]),
         np.concatenate([hands.max(axis=0), [1.0], joint_upper, rest + 1]),
     )

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from data_collection.limits import MAX_ARRAYS_BYTES
-from features.files import replacing
+from data_collection.files import replacing
+from features.limits import MAX_ARRAYS_BYTES
 
 
 class ArtifactError(ValueError):

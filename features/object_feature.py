@@ -213,4 +213,4 @@ def weights_provenance(settings: FeatureSettings) -> str:
         with Path(settings.weights).open("rb") as file:
             return f"sha256 {hashlib.file_digest(file, 'sha256').hexdigest()}"
     except OSError as error:
-        raise WeightsError(f"{settings.weights}: no such file of weights") from error
+        raise WeightsError(f"{settings.weights}: weights cannot be read ({error.strerror})") from error

@@ -16,7 +16,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from features.files import replacing
+from data_collection.files import replacing
 from features.table_check import problems_of_tables
 from features.table_columns import OBJECTS, TRIALS, conform, load, numbers
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from data_collection.seeding import generator
-from features.action import ActionScale, action_names, fit_action_scale, within_limits
+from features.action import Scale, action_names, fit_action_scale, hand_target, within_limits
 from features.arrays import load_arrays, save_arrays
 from features.color import fit_codebook, histogram
 from features.object_feature import weights_provenance
@@ -58,13 +58,13 @@ class Transforms:
     provenance: str
 
     @property
-    def action_scale(self) -> ActionScale:
+    def action_scale(self) -> Scale:
         """The action's scaling and its inverse."""
-        return ActionScale(self.action_lowest, self.action_highest)
+        return Scale(self.action_lowest, self.action_highest)
 
     def hand_target(self, action: Array, object_position: Array) -> Array:
         """Give where an action (…, dim_a) at an object (…, 2) puts the hand: (…, 3), metres, robot frame."""
-        return self.action_scale.hand_target(action, object_position, float(self.table_height))
+        return hand_target(self.action_scale, action, object_position, float(self.table_height))
 
 
 def fit_transforms(percepts: Percepts, settings: FeatureSettings, seed: int, *names: str | int) -> Transforms:
@@ -129,7 +129,7 @@ def _principal_components(values: Array, components: int) -> tuple[Array, Array]
 
 
 def _ranges(values: Array, scale: str) -> tuple[Array, Array]:
-    """Give what becomes 0 and 1 in each column (**choice**: one range for all of them by default)."""
+    """Give what becomes 0 and 1 in each column (one range for all of them by default, a choice of ours)."""
     if scale == "none":
         return np.zeros(values.shape[1]), np.ones(values.shape[1])
     if scale == "per_component":
@@ -155,7 +155,7 @@ def apply(transforms: Transforms, percepts: Percepts) -> FeatureTable:
     scaled = np.where(percepts.acted[:, None], transforms.action_scale.scale(raw), 0.0)
     with one_thread():
         components = (percepts.fc6 - transforms.pca_mean) @ transforms.pca_components.T
-    scale = ActionScale(transforms.feature_lowest, transforms.feature_highest)
+    scale = Scale(transforms.feature_lowest, transforms.feature_highest)
     starts = np.searchsorted(percepts.pixel_index, np.arange(1, len(percepts.box)))
     color = [histogram(pixels, transforms.codebook) for pixels in np.split(percepts.pixels, starts)]
     return FeatureTable(

@@ -71,7 +71,7 @@ def assignment_log_weights(trials: Trials, c: int, prior: Prior, z: Ints, explai
 def _elements(
     trials: Trials, c: int, prior: Prior, explained: Flags
 ) -> tuple[Floats, Ints, Ints, Ints, Flags, float, float, float, float, float, float]:
-    """Data and hyperparameters of channel c, in the order of `Elements`."""
+    """Data and hyperparameters of channel c, in the order in which `sweep_assignments` takes them."""
     channel, weight = trials.channels[c], prior.concentration / prior.categories
     words, (order, bounds) = trials.words[c], trials.words_by_element[c]
     law = prior.gaussian(channel.dim)

@@ -56,6 +56,14 @@ class Trials:
     word_trial: Ints
     vocabulary: tuple[str, ...]
 
+    def index_of(self, channel: str) -> int:
+        """Which channel has this name, as frames number them.
+
+        Raises:
+            ValueError: none has.
+        """
+        return [own.name for own in self.channels].index(channel)
+
     @property
     def count(self) -> int:
         """The number of trials D."""

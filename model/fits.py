@@ -159,20 +159,24 @@ def _cholesky(covariance: Floats) -> Floats:
     return np.ascontiguousarray(upper.transpose(0, 2, 1))
 
 
+def _log(probability: Floats) -> Floats:
+    """Logarithms; a probability that underflowed to 0 counts as the smallest number: nothing is impossible."""
+    return np.asarray(np.log(np.maximum(probability, np.nextafter(0.0, 1.0))))
+
+
 def _from_arrays(arrays: dict[str, Any]) -> Fit:
     names = [str(name) for name in arrays["channels"]]
     channels = tuple(Channel(name, arrays[f"features_{name}"], arrays[f"speaker_{name}"]) for name in names)
     vocabulary = tuple(str(word) for word in arrays["vocabulary"])
     settings = [json.loads(str(arrays[f"prior_{name}"])) for name in names]
-    with np.errstate(divide="ignore"):
-        state = State(
-            z=tuple(arrays[f"z_{name}"] for name in names),
-            log_weights=tuple(np.log(arrays[f"pi_{name}"]) for name in names),
-            mean=tuple(arrays[f"mu_{name}"] for name in names),
-            factor=tuple(_cholesky(arrays[f"Sigma_{name}"]) for name in names),
-            log_words=tuple(np.log(arrays[f"theta_{name}"]) for name in names),
-            F=arrays["F"],
-        )
+    state = State(
+        z=tuple(arrays[f"z_{name}"] for name in names),
+        log_weights=tuple(_log(arrays[f"pi_{name}"]) for name in names),
+        mean=tuple(arrays[f"mu_{name}"] for name in names),
+        factor=tuple(_cholesky(arrays[f"Sigma_{name}"]) for name in names),
+        log_words=tuple(_log(arrays[f"theta_{name}"]) for name in names),
+        F=arrays["F"],
+    )
     history = None
     if "history_iteration" in arrays:
         z = tuple(arrays[f"history_z_{name}"] for name in names)

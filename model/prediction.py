@@ -42,7 +42,7 @@ class Answer:
 
 def responsibilities(fit: Fit, channel: str, features: Floats) -> Floats:
     """(N, K) log r: the log posterior of the category given features alone, r_k ∝ π_k N(x | φ_k)."""
-    c = _index(fit, channel)
+    c = fit.trials.index_of(channel)
     rows = np.array(features, dtype=np.float64, order="C")
     joint = fit.state.log_weights[c] + gaussian_log_density(rows, fit.state.mean[c], fit.state.factor[c])
     return np.asarray(joint - log_sum(joint))
@@ -111,12 +111,8 @@ def describe(fit: Fit, channel: str, features: Floats) -> tuple[str, ...]:
     if not fit.trials.vocabulary:
         raise ValueError("a description needs words, but training had none")
     weights = responsibilities(fit, channel, features)
-    log_p = log_sum(weights[:, None, :] + fit.state.log_words[_index(fit, channel)].T[None])[..., 0]
+    log_p = log_sum(weights[:, None, :] + fit.state.log_words[fit.trials.index_of(channel)].T[None])[..., 0]
     return tuple(fit.trials.vocabulary[int(w)] for w in np.argmax(log_p, axis=1))
-
-
-def _index(fit: Fit, name: str) -> int:
-    return [channel.name for channel in fit.trials.channels].index(name)
 
 
 def _sizes(N: int) -> Ints:
@@ -135,7 +131,7 @@ def _subset_log_products(log_words: Floats) -> Floats:
 def _object_sets(fit: Fit, channel: str, features: Floats, known: list[int]) -> Floats:
     """(M, 2^N) log G_x(S) of each object and subset of the words."""
     weights = responsibilities(fit, channel, features)
-    products = _subset_log_products(fit.state.log_words[_index(fit, channel)][:, known])
+    products = _subset_log_products(fit.state.log_words[fit.trials.index_of(channel)][:, known])
     return np.asarray(log_sum(weights[:, None, :] + products.T[None])[..., 0])
 
 

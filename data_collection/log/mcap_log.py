@@ -1,7 +1,5 @@
 """Reading and writing logs: MCAP files, ROS 2 profile, every byte under a checksum."""
 
-import os
-import tempfile
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,6 +11,7 @@ from mcap.records import Message as MessageRecord
 from mcap.records import Metadata, Schema
 from mcap.writer import Writer
 
+from data_collection.files import replacing
 from data_collection.limits import MAX_IMAGE_BYTES, MAX_LOG_BYTES, MAX_MESSAGE_BYTES, MAX_MESSAGES
 from data_collection.log import codec
 from data_collection.log.channels import BY_TOPIC, IMAGE
@@ -69,18 +68,8 @@ def write_log(path: Path, log: Log) -> None:
     unknown = {message.topic for message in log.messages} - set(BY_TOPIC)
     if unknown:
         raise LogError(f"{path}: topics that are not in the table of channels: {sorted(unknown)}")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-    try:
-        with os.fdopen(descriptor, "wb") as stream:
-            _write(stream, log)
-            stream.flush()
-            os.fsync(stream.fileno())
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    with replacing(path) as (temporary,), temporary.open("wb") as stream:
+        _write(stream, log)
 
 
 def read_log(path: Path) -> Log:

@@ -43,6 +43,11 @@ def problems(log: Log, kind: LogKind | None = None) -> list[str]:
         for channel in CHANNELS
         if kind in channel.required and channel.topic not in present
     ]
+    found += [
+        f"{log.source}: {topic} is not part of a log of kind {kind}"
+        for topic in sorted(present)
+        if kind not in BY_TOPIC[topic].required + BY_TOPIC[topic].optional
+    ]
     for message in log.messages:
         reason = _reason(message, BY_TOPIC[message.topic])
         if reason:

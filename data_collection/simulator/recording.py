@@ -108,7 +108,7 @@ class Recorder:
         self.rest_hand = robot.link_pose(hand_model.GRASP_LINK)[:3]
         self.sample()
 
-    def end(self) -> int:
+    def now(self) -> int:
         """Return the time now, nanoseconds."""
         return round(self._step * scene.TIME_STEP * 1e9)
 
@@ -130,23 +130,23 @@ class Recorder:
 
     def sample(self) -> None:
         """Keep what the robot senses of itself now, once."""
-        if self._samples and self._samples[-1].time == self.end():
+        if self._samples and self._samples[-1].time == self.now():
             return
         position, velocity = self._robot.joint_state()
         poses = np.array([scene.object_pose(self._client, body) for body in self._objects]).reshape(-1, 7)
-        self._samples.append(Sample(self.end(), position, velocity, self._touch(), poses))
+        self._samples.append(Sample(self.now(), position, velocity, self._touch(), poses))
 
     def snapshot(self, topic: str) -> None:
         """Take a picture, and note where the links are."""
-        self._pictures.append((topic, self.end(), self._picture()))
+        self._pictures.append((topic, self.now(), self._picture()))
         transforms = [Transform(channels.ROOT_FRAME, name, pose) for name, pose in self._robot.link_poses()] + [
             Transform(robot_model.LEFT_EYE_LINK, channels.CAMERA_FRAME, np.array([0.0, 0.0, 0.0, *_OPTICAL]))
         ]
-        self._commands.append(Message(channels.TF, self.end(), tuple(transforms)))
+        self._commands.append(Message(channels.TF, self.now(), tuple(transforms)))
 
     def command(self, topic: str, value: Value) -> None:
         """Keep a message that the robot sends to itself."""
-        self._commands.append(Message(topic, self.end(), value))
+        self._commands.append(Message(topic, self.now(), value))
 
     def force(self, body: int) -> float:
         """Return the mean force between the hand and an object over the last moments, newtons."""
@@ -157,7 +157,7 @@ class Recorder:
     def finish(self, outcome: Outcome, ended: int | None = None) -> Recording:
         """Return what was recorded."""
         return Recording(
-            0, self.end() if ended is None else ended, tuple(self._samples), tuple(self._pictures),
+            0, self.now() if ended is None else ended, tuple(self._samples), tuple(self._pictures),
             tuple(self._commands), self._robot.kinematics, outcome,
         )  # fmt: skip
 

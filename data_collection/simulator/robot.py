@@ -61,7 +61,7 @@ class Robot:
                 self._client.changeDynamics(self.body, link, lateralFriction=friction, spinningFriction=0.01)
 
     def place(self, angles: Floats) -> None:
-        """Put all joints at ``angles`` (25,) at once, at rest: for the start of a trial and for planning only."""
+        """Put all joints at ``angles`` (25,) at once, at rest: to begin a trial, or to draw what was recorded."""
         for joint, angle in zip(self._joints, self.kinematics.to_model @ angles, strict=True):
             self._client.resetJointState(self.body, joint, angle, 0.0)
 

@@ -176,7 +176,7 @@ class World:
             posture = self._grasp(recorder, posture, target, finger_rate, fixation)
         recorder.sample()
         recorder.snapshot(channels.IMAGE_AFTER)
-        ended = recorder.end()
+        ended = recorder.now()
         hand = self.robot.link_pose(hand_model.GRASP_LINK)[:3]
         force = recorder.force(self.objects[attended])
         contact = force >= self.simulation.tutor.contact

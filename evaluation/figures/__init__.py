@@ -1,1 +1,1 @@
-"""Every figure. Nothing outside of this folder imports matplotlib."""
+"""Every figure of a study. No other stage, and nothing else in this one, imports matplotlib."""

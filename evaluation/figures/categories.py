@@ -21,7 +21,7 @@ def typical_first(fit: Fit, channel: str) -> dict[int, NDArray[np.int64]]:
 
     Nearness is the Mahalanobis distance to the category's Gaussian.
     """
-    c = [own.name for own in fit.trials.channels].index(channel)
+    c = fit.trials.index_of(channel)
     z, features = fit.state.z[c], fit.trials.channels[c].features
     ordered = {}
     for k in np.unique(z).tolist():
@@ -43,7 +43,7 @@ def category_crops(fit: Fit, channel: str, crops: NDArray[np.uint8], title: str)
     Raises:
         ValueError: there is not one crop for each object.
     """
-    c = [own.name for own in fit.trials.channels].index(channel)
+    c = fit.trials.index_of(channel)
     if len(crops) != len(fit.state.z[c]):
         raise ValueError(f"{len(crops)} crops of {len(fit.state.z[c])} objects; expected one for each object")
     rows = typical_first(fit, channel)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
-from features.files import replacing
+from data_collection.files import replacing
 
 PAGE_WIDTH = 7.0
 """Width of a figure, inches; at this width no letter is smaller than 7 points."""

@@ -55,7 +55,7 @@ def position_categories(fit: Fit, title: str) -> Figure:
 
     Ellipses are at two standard deviations; a category is named by the word that it most probably utters.
     """
-    c = [channel.name for channel in fit.trials.channels].index("position")
+    c = fit.trials.index_of("position")
     z, points = fit.state.z[c], fit.trials.channels[c].features
     palette = mpl.colormaps["tab10"]
     behind = {"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 1.0}

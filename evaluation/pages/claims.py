@@ -8,11 +8,11 @@ from typing import Any
 
 import pandas as pd
 
+from data_collection.files import replacing
 from evaluation.claims.comparisons import FAILS, HOLDS, NOT_RUN, OPEN
 from evaluation.differences import signed
 from evaluation.scores import write_csv
 from evaluation.table_forms import STYLE
-from features.files import replacing
 
 COLOR = {HOLDS: "#d9f0d3", FAILS: "#f9d5cf", OPEN: "#fdf0c8", NOT_RUN: "#eeeeee"}
 RULES = (

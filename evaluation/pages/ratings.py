@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-from features.files import replacing
+from data_collection.files import replacing
 
 
 def write_page(clips: Sequence[tuple[str, str, Sequence[str]]], title: str, path: Path) -> None:

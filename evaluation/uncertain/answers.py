@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from data_collection.files import replacing
 from evaluation.scores import write_csv
 from evaluation.table_forms import Grid, text_forms
 from evaluation.tables import ROW_KEYS, readable, summarise
 from evaluation.uncertain.instructions import KINDS, Instruction
-from features.files import replacing
 from model import Fit
 from model.data import Floats
 from model.prediction import Answer, understand

@@ -169,7 +169,9 @@ def wrong_joints(value: JointState) -> Iterator[tuple[str, Value]]:
     yield "no names", dataclasses.replace(value, names=())
 
 
-BAD_WORDS = ("x" * 41, "=1+1", "+1", "-1", "@cmd", "a\0b", "\x1b[31m", "a\u200bb", "\u202eb", "a\ufeff", "NA", "12")
+BAD_WORDS = (
+    "/grasp", "x" * 41, "=1+1", "+1", "-1", "@cmd", "a\0b", "\x1b[31m", "a\u200bb", "\u202eb", "a\ufeff", "NA", "12",
+)  # fmt: skip
 
 
 def wrong_texts(channel: Channel) -> Iterator[tuple[str, Value]]:

@@ -71,6 +71,15 @@ def test_regenerate_needs_the_simulators_metadata(trials: list[Log]) -> None:
         regenerate(dataclasses.replace(trials[0], metadata=bad))
 
 
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("set", "exam"), ("trial", "-1"), ("trial", "one"), ("seed", "-1"), ("command", '{"trial": 1}')],
+)
+def test_regenerate_names_metadata_that_are_none(trials: list[Log], key: str, value: str) -> None:
+    with pytest.raises(LogError, match=r"robot\.mcap: its metadata do not fit"):
+        regenerate(dataclasses.replace(trials[0], metadata={**trials[0].metadata, key: value}, source="robot.mcap"))
+
+
 def test_metadata(trials: list[Log]) -> None:
     metadata = trials[2].metadata
     assert (metadata["experiment"], metadata["set"], metadata["trial"], metadata["seed"]) == (

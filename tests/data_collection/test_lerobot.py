@@ -1,3 +1,4 @@
+import dataclasses
 import io
 import json
 from pathlib import Path
@@ -110,3 +111,12 @@ def test_refusals(dataset: Path, calibration_log: Log, tmp_path: Path) -> None:
     with pytest.raises(LogError, match="none of the logs"):
         export([tmp_path / "c.mcap"], tmp_path / "out")
     assert [path.name for path in tmp_path.iterdir()] == ["c.mcap"]
+
+
+def test_logs_of_different_rates_are_refused(trials: list[Log], tmp_path: Path) -> None:
+    slow = tuple(dataclasses.replace(message, time=2 * message.time) for message in trials[1].messages)
+    for name, log in (("a", trials[0]), ("b", dataclasses.replace(trials[1], messages=slow))):
+        write_log(tmp_path / f"{name}.mcap", log)
+    with pytest.raises(LogError, match=r"trial 1 of the export has \d+ joint states a second, the first one \d+"):
+        export([tmp_path / "a.mcap", tmp_path / "b.mcap"], tmp_path / "out")
+    assert not (tmp_path / "out").exists()

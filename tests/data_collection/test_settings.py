@@ -116,6 +116,10 @@ def test_all_mismatches_at_once() -> None:
         ({"objects_most": 5}, "as many places"),
         ({"objects": [{"object": "cup", "color": "mauve", "shape": "cup"}]}, r"objects\[0\].color.*mauve"),
         ({"objects": [{"object": "cup", "color": "red", "shape": "cup", "shade": 2}]}, r"objects\[0\].shade"),
+        (
+            {"objects": [{"object": "cup", "color": "red", "shape": "cup"}] * 2},
+            r"objects\[1\]: the same as .*\[0\]",
+        ),
         ({"places": {"a": [0.2, 0], "b": [0.3, 0], "c": [0.9, 0]}}, r"places.c.*out of view"),
         ({"actions": {"reach": "go", "touch": "go"}}, "'go' stands for two"),
     ],

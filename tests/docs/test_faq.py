@@ -14,6 +14,7 @@ import yaml
 from data_collection import limits
 from data_collection.__main__ import main as data_collection
 from data_collection.log.channels import BY_TOPIC, HAND_POSE, JOINT_STATES
+from features import limits as table_limits
 from features.transforms import _principal_components
 from tests.docs.conditions import SMOKE, patched
 from tests.docs.pages import ROOT, Block, blocks, matches
@@ -160,10 +161,11 @@ def test_objects_not_found(repository: Path, in_repository: Callable[..., str]) 
 def test_the_limits_that_pages_name_are_those_of_the_readers() -> None:
     shown = {
         "own_features.md": (
-            f"{limits.MAX_TABLE_ROWS:,} rows",
-            f"{limits.MAX_TABLE_VALUES:,} numbers",
-            f"{limits.MAX_TABLE_BYTES / 2**30:g} GiB",
-            f"{limits.MAX_VECTOR_LENGTH:,} numbers, none beyond ±{limits.MAX_NUMBER:.0e}".replace("e+0", "e"),
+            f"{table_limits.MAX_TABLE_ROWS:,} rows",
+            f"{table_limits.MAX_TABLE_VALUES:,} numbers",
+            f"{table_limits.MAX_TABLE_BYTES / 2**30:g} GiB",
+            f"{table_limits.MAX_VECTOR_LENGTH:,} numbers",
+            f"none beyond ±{table_limits.MAX_NUMBER:.0e}".replace("e+0", "e"),
         ),
         "logs.md": (
             f"{limits.MAX_LOG_BYTES / 2**20:g} MiB",

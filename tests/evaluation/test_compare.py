@@ -98,3 +98,11 @@ def test_the_command(tmp_path: Path) -> None:
     assert "no cell in common" in apart.stderr
     (tmp_path / "apart" / "scores.csv").write_text("a,b\n1,2\n")
     assert command(tmp_path / "one", tmp_path / "apart").returncode == 2
+
+
+def test_the_name_of_an_experiment_is_told_as_it_is() -> None:
+    key = ("csl", "proposed", 20, 0, "EAR")
+    two = (scores_of({key: values}, experiment="banana") for values in ([1.0, 1.0], [np.nan, np.nan]))
+    [line] = [line for line in compare(*two).summary().splitlines() if "EAR" in line]
+    assert "banana" in line
+    assert "–" in line

@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from evaluation.scores import COLUMNS, csl_measures, join_scores, read_scores, score_rows, write_scores
+from evaluation.learning import csl_measures
+from evaluation.scores import COLUMNS, join_scores, read_scores, score_rows, write_scores
 from features.table import FeatureTable
 from model import Fit
 from tests.evaluation.conftest import fit_of

@@ -18,7 +18,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from data_collection.limits import MAX_TABLE_BYTES, MAX_VECTOR_LENGTH
+from features.limits import MAX_TABLE_BYTES, MAX_VECTOR_LENGTH
 from features.parquet_sizes import sizes
 from features.table import TableError, check_table, read_table, write_table
 from features.table_columns import Column

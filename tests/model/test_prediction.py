@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import permutations, product
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.special import logsumexp
 
-from model import METHODS, Fit, Prior, Trials, fit
+from model import METHODS, Fit, Prior, Trials, fit, load, save
 from model.data import Floats
 from model.gaussians import gaussian_log_density
 from model.prediction import LONGEST_INSTRUCTION, Answer, describe, responsibilities, understand
@@ -139,3 +140,16 @@ def test_no_description_without_words(learned: Fit, scene: dict[str, Floats]) ->
     wordless = replace(learned, trials=replace(learned.trials, vocabulary=()))
     with pytest.raises(ValueError, match="training had none"):
         describe(wordless, "color", scene["color"])
+
+
+def test_lost_logarithms_of_words(learned: Fit, scene: dict[str, Floats], tmp_path: Path) -> None:
+    """A fit is stored with θ, where a small enough one underflows: then a word is improbable, not impossible."""
+    sure = tuple(np.full_like(log_words, -2000.0) for log_words in learned.state.log_words)
+    for log_words in sure:
+        log_words[:, 0] = 0.0
+    save(replace(learned, state=replace(learned.state, log_words=sure)), tmp_path / "fit.npz")
+    again = load(tmp_path / "fit.npz")
+    answer = understand(again, scene, again.trials.vocabulary[1:4])
+    assert np.isfinite(answer.log_scores).all()
+    assert answer.probabilities.sum() == pytest.approx(1.0)
+    assert answer.choices()

@@ -237,7 +237,7 @@ HOSTILE_NAMES = (
 )  # fmt: skip
 HOSTILE_WORDS = (
     "", " ", "two words", "a\n", "a\tb", "a\0", "a\x07", "a\x1b[31m", "a\x85", "a\xa0b", "a\xad", "a\u200bb",
-    "a\u200d", "\u202eb", "a\u2028b", "a\u2066", "\ufeffa", "\ud800", "\uffff", "=1+1", "+1", "-1", "@cmd",
+    "a\u200d", "\u202eb", "a\u2028b", "a\u2066", "\ufeffa", "\ud800", "\uffff", "=1+1", "+1", "-1", "@cmd", "/reach",
     "x" * 41, "x" * 200_000, "NA", "N/A", "nan", "None", "null", "True", "1", "007", ".5", "1.5", "1e5", "1E-5",
 )  # fmt: skip
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import fcntl
+import os
 import shutil
 import subprocess
 import sys
@@ -228,6 +231,29 @@ def test_a_run_waits_for_the_jobs_of_a_killed_one(tmp_path: Path, capsys: pytest
             assert alone
             assert (tmp_path / "made").exists()
     assert f"{tmp_path}: waiting for the last jobs of a run that was killed" in capsys.readouterr().err
+
+
+def test_a_folder_without_locks_is_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def no_locks(*_: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(fcntl, "flock", no_locks)
+    with turn_of_run(tmp_path) as alone, turn_of_job(tmp_path):
+        assert alone
+    assert f"{tmp_path}: cannot be locked" in capsys.readouterr().err
+
+
+def test_what_a_study_within_this_folder_is_writing_is_left_alone(tmp_path: Path) -> None:
+    own, inner = tmp_path / "out" / "fits" / ".1.npz.part", tmp_path / "out" / "smoke" / "fits" / ".1.npz.part"
+    for part in (own, inner):
+        part.parent.mkdir(parents=True)
+        part.touch()
+    (tmp_path / "out" / "smoke" / ".artifacts").mkdir()
+    assert tiny.run(tmp_path / "out", Store(tmp_path / "cache")) == 0
+    assert not own.exists()
+    assert inner.exists()
 
 
 def test_a_job_that_begins_after_the_next_run_ends(tmp_path: Path) -> None:

@@ -16,10 +16,11 @@ import pytest
 import yaml
 from snakemake.iocontainers import InputFiles
 
-from workflow.artifacts.keys import by_role, job_key, output_key, plain
+from workflow.artifacts.keys import job_key, output_key, plain
 from workflow.artifacts.provenance import ROOT
 from workflow.execution import engine
 from workflow.execution.dag import Job, keys_of
+from workflow.execution.roles import by_role
 
 CONFIG = ROOT / "config" / "config.yaml"
 

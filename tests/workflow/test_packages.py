@@ -14,7 +14,12 @@ from workflow.artifacts.provenance import ROOT, imported_names
 STAGES = ("data_collection", "features", "model", "evaluation")
 MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "data_collection": ("data_collection",),
-    "data_collection/log": ("data_collection.log", "data_collection.joints", "data_collection.limits"),
+    "data_collection/log": (
+        "data_collection.log",
+        "data_collection.files",
+        "data_collection.joints",
+        "data_collection.limits",
+    ),
     "data_collection/simulator": (
         "data_collection.simulator",
         "data_collection.log",
@@ -25,6 +30,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "features": (
         "features",
+        "data_collection.files",
         "data_collection.log",
         "data_collection.joints",
         "data_collection.limits",
@@ -33,7 +39,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "model": ("model",),
     "evaluation": ("evaluation", "model", "features", "data_collection"),
     "workflow/plan": ("workflow.plan", "evaluation", "model", "features", "data_collection"),
-    "workflow/artifacts": ("workflow.artifacts", "features.files"),
+    "workflow/artifacts": ("workflow.artifacts", "data_collection.files"),
     "workflow/execution": ("workflow.execution", "workflow.artifacts", "workflow.plan", "model"),
 }
 """Folder → what it may import of the project."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import yaml
 
 from tests.synthetic import WORDS
 from tests.workflow.configs import FILE, minimal
+from workflow.execution.engine import planned
 from workflow.plan.config import SCHEMAS, default
 from workflow.plan.loading import load_study, plan
 from workflow.plan.study import Study
@@ -112,3 +114,24 @@ def test_the_configs_of_the_project_are_valid() -> None:
     for path in sorted((root / "config").glob("*.yaml")):
         assert load_study(path).experiments
         assert yaml.safe_load(path.read_text())["experiments"]
+
+
+def test_every_job_has_what_it_needs_where_variants_part_the_grid(tmp_path: Path) -> None:
+    """Neither D has fits of all variants, and one has no fit that hears all words."""
+    config = yaml.safe_load((SCHEMAS.parent.parent / "config" / "smoke.yaml").read_text())
+    few = {"K": 5, "only": {"D": [8], "ROW": [40], "methods": ["proposed"]}}
+    config["experiments"]["simulator"] |= {
+        "D": [6, 8],
+        "ROW": [0, 40],
+        "variants": {"default": {"only": {"D": [6]}}, "few": few},
+        "generation": {"sentences": 2, "D": [6, 8], "ROW": [0]},
+        "description": {"actions": 2, "ROW": [0]},
+    }
+    (tmp_path / "config.yaml").write_text(yaml.safe_dump(config))
+    jobs = planned(tmp_path / "config.yaml", tmp_path / "out")
+    compared = [job for job in jobs if "conditions" in job.parameters]
+    assert {"describe", "uncertain", "diagnose", "evaluate_learning"} <= {job.rule for job in compared}
+    assert all(job.inputs and job.parameters["conditions"] for job in compared)
+    made = {path for job in jobs for path in job.outputs.values()}
+    assert {"diagnostics/simulator_D6.csv", "descriptions/simulator_D6.csv", "scores/simulator_D8_csl.csv"} <= made
+    assert not {"diagnostics/simulator_D8.csv", "descriptions/simulator_D8.csv", "uncertain/simulator_D8.csv"} & made

@@ -192,6 +192,13 @@ def test_off(tmp_path: Path) -> None:
     assert not (tmp_path / "cache").exists()
 
 
+def test_a_store_that_is_off_leaves_what_is_there(store: Store, tmp_path: Path) -> None:
+    key, records = made(tmp_path / "out")
+    assert store.put(key, tmp_path / "out", records)
+    assert Store(store.folder, limit=0).trim() == (0, 0)
+    assert key in store
+
+
 def test_where_it_is_and_how_large(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("CACHE", str(tmp_path / "named"))
     assert default_folder() == tmp_path / "named"

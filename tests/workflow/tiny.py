@@ -11,7 +11,7 @@ from unittest.mock import patch
 
 from snakemake.iocontainers import InputFiles, OutputFiles, Params, Wildcards
 
-from features.files import replacing
+from data_collection.files import replacing
 from tests.workflow.runs import SMOKE
 from workflow.artifacts.manifest import write_manifest
 from workflow.artifacts.records import FOLDER, DamagedError, remove

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from workflow.artifacts.provenance import parts_of_code
 from workflow.artifacts.records import FOLDER, Input, Record, read_record
 
 WIDTH = 100
@@ -76,8 +77,9 @@ def _hashes(sha256: str, key: str) -> str:
 
 
 def _code(value: str) -> str:
-    """The hash of the code, and that of the lock file, which follows it."""
-    return f"{value[:12]}… environment.lock {value[64:76]}…"
+    """The hash of the code, and that of the lock file."""
+    code, lock = parts_of_code(value).values()
+    return f"{code[:12]}… environment.lock {lock[:12]}…"
 
 
 def _short(value: Any) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -50,7 +50,7 @@ def job_key(rule: str, wildcards: Mapping[str, str], parameters: Mapping[str, An
         rule: name of its rule.
         wildcards: their values.
         parameters: `params` of the rule; `code`, the hash of its code and of the lock file, must be among them.
-        inputs: the key of each input by its role (see `by_role`).
+        inputs: the key of each input by its role (see `workflow.execution.roles`).
 
     Raises:
         ValueError: a parameter cannot be part of a key, or there is no `code`.
@@ -77,15 +77,3 @@ def hash_of(data: Any) -> str:
     """sha256 of plain data, the same for equal data."""
     text = json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-def by_role(items: Sequence[Any]) -> dict[str, Any]:
-    """What Snakemake lists (input, output, params, wildcards) by role: `fit`, `logs[0]`, or `[0]` without a name."""
-    names: Mapping[str, tuple[int, int | None]] = dict(items._get_names())  # type: ignore[attr-defined]
-    roles = {i: f"[{i}]" for i in range(len(items))}
-    for name, (first, end) in names.items():
-        if end is None:
-            roles[first] = name
-        else:
-            roles |= {i: f"{name}[{i - first}]" for i in range(first, end)}
-    return {role: items[i] for i, role in roles.items()}

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from features.files import replacing
+from data_collection.files import replacing
 from workflow.artifacts.records import FOLDER, Content, Record, await_record, contents
 
 MANIFEST = "manifest.json"

@@ -42,6 +42,16 @@ def lock_hash() -> str:
     return hashlib.sha256((ROOT / "environment.lock").read_bytes()).hexdigest()
 
 
+def rule_code(script: Path) -> str:
+    """What a rule's parameter `code` must be: the hash of its script, and that of the lock file."""
+    return code_hash(script) + lock_hash()
+
+
+def parts_of_code(code: str) -> dict[str, str]:
+    """The two hashes that `rule_code` put together, by the names that logs have for them."""
+    return {"code_sha256": code[:64], "lock_sha256": code[64:]}
+
+
 def imported_files(script: Path) -> set[Path]:
     """The script and all files of the project that it imports, directly or not, package markers included."""
     found: set[Path] = set()

@@ -17,7 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from features.files import replacing
+from data_collection.files import replacing
 from workflow.artifacts.keys import hash_of, job_key, output_key, plain
 
 FOLDER = ".artifacts"

@@ -183,9 +183,14 @@ class Store:
     def trim(self, limit: int | None = None) -> tuple[int, int]:
         """Remove the least recently used entries until the rest is within the limit, and what killed processes left.
 
+        Args:
+            limit: bytes; None for that of the store, and then a store that is turned off is left alone.
+
         Returns:
             The number of entries removed, and of bytes.
         """
+        if limit is None and self.limit == 0:
+            return 0, 0
         limit = self.limit if limit is None else limit
         for left in self.folder.glob("tmp/*"):
             try:

@@ -15,10 +15,10 @@ from pathlib import Path
 from signal import Signals
 from typing import Any
 
-from workflow.artifacts.keys import by_role
-from workflow.artifacts.provenance import ROOT, code_hash, code_is_unchanged, lock_hash
+from workflow.artifacts.provenance import ROOT, code_is_unchanged, rule_code
 from workflow.execution import cluster, forks
 from workflow.execution.dag import Job, Plan
+from workflow.execution.roles import by_role
 
 SCRIPTS = ROOT / "workflow" / "scripts"
 PROFILES = ROOT / "workflow" / "profiles"
@@ -212,7 +212,7 @@ def _job(dag: Any, job: Any) -> Job:
         raise ValueError(f"rule {rule} has no script: what it does would not be part of its key")
     script = _script(job)
     parameters = by_role(job.params)
-    if parameters.get("code") != code_hash(script) + lock_hash():
+    if parameters.get("code") != rule_code(script):
         raise ValueError(f"rule {rule}: its parameter code must be tracked({script.name!r}), the script that it runs")
     return Job(
         rule=rule,

@@ -17,8 +17,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from workflow.artifacts.keys import by_role
 from workflow.artifacts.records import FULL, DamagedError, record_path, records_of_job, verified_inputs, write_record
+from workflow.execution.roles import by_role
 from workflow.execution.turns import turn_of_job
 
 OUT = Path()  # Snakemake runs jobs in the output folder

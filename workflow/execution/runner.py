@@ -13,6 +13,7 @@ from pathlib import Path
 
 from workflow.artifacts.manifest import write_manifest
 from workflow.artifacts.provenance import ROOT
+from workflow.artifacts.records import FOLDER
 from workflow.artifacts.store import Store
 from workflow.execution import engine
 from workflow.execution.dag import Job, Plan
@@ -122,9 +123,15 @@ def _show_warnings() -> None:
 
 
 def _remove_parts(out: Path) -> None:
-    """Remove what a killed run was about to write, which carries a temporary name."""
-    for part in list(out.rglob(".*.part")):
-        if part.is_dir():
-            shutil.rmtree(part, ignore_errors=True)
-        else:
-            part.unlink(missing_ok=True)
+    """Remove what a killed run was about to write, which carries a temporary name.
+
+    A study in a folder within this one is left alone: it may be running.
+    """
+    for folder, inner, files in os.walk(out):
+        inner[:] = [name for name in inner if not Path(folder, name, FOLDER).is_dir()]
+        for name in [each for each in (*inner, *files) if each.startswith(".") and each.endswith(".part")]:
+            part = Path(folder, name)
+            if part.is_dir():
+                shutil.rmtree(part, ignore_errors=True)
+            else:
+                part.unlink(missing_ok=True)

@@ -23,9 +23,11 @@ def turn_of_run(out: Path) -> Iterator[bool]:
     with (out / RUNNING).open("a") as running, (out / JOBS).open("a") as jobs:
         try:
             fcntl.flock(running, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
+        except BlockingIOError:
             yield False
             return
+        except OSError as error:  # not every shared file system has locks
+            sys.stderr.write(f"{out}: cannot be locked ({error.strerror}); run one study at a time in this folder\n")
         os.environ[TURN] = secrets.token_hex(8)
         (out / RUNNING).write_text(os.environ[TURN])  # jobs of earlier runs that begin from now on see it, and end
         try:
@@ -33,7 +35,10 @@ def turn_of_run(out: Path) -> Iterator[bool]:
         except BlockingIOError:
             sys.stderr.write(f"{out}: waiting for the last jobs of a run that was killed\n")
             fcntl.flock(jobs, fcntl.LOCK_EX)
-        fcntl.flock(jobs, fcntl.LOCK_UN)
+        except OSError:
+            pass  # without locks, as above
+        with suppress(OSError):
+            fcntl.flock(jobs, fcntl.LOCK_UN)
         try:
             yield True
         finally:

@@ -18,8 +18,8 @@ from jsonschema.validators import extend
 from referencing import Registry
 from referencing.jsonschema import DRAFT202012
 
-from data_collection.limits import MAX_CONFIG_BYTES, MAX_CONFIG_VALUES, MAX_NUMBER_LENGTH
-from features.files import replacing
+from data_collection.files import replacing
+from workflow.plan.limits import MAX_CONFIG_BYTES, MAX_CONFIG_VALUES, MAX_NUMBER_LENGTH
 
 SCHEMAS = Path(__file__).parents[1] / "schemas"
 MOST_PROBLEMS = 100

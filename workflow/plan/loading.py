@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from data_collection.limits import MAX_FITS
 from workflow.plan.checks import contradictions, data_problems, grid_problems
 from workflow.plan.config import ConfigError, default, key_path, read_config, schema_problems
+from workflow.plan.limits import MAX_FITS
 from workflow.plan.study import SHARED_KEYS, Experiment, Study
 
 

@@ -8,9 +8,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from data_collection.limits import MAX_CONFIG_BYTES, MAX_CONFIG_VALUES, MAX_FITS
-from features.files import replacing
+from data_collection.files import replacing
 from workflow.plan.config import SCHEMAS
+from workflow.plan.limits import MAX_CONFIG_BYTES, MAX_CONFIG_VALUES, MAX_FITS
 
 Schema = Mapping[str, Any]
 

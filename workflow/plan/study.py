@@ -150,6 +150,10 @@ class Study:
             if condition.method != "gmm" and condition.D in asked["D"] and condition.ROW in asked["ROW"]
         ]
 
+    def tested_D(self, experiment: str, task: str) -> list[int]:  # noqa: N802 (D is the paper's)
+        """The numbers of trials of the fits that a task tests, in rising order."""
+        return sorted({condition.D for condition in self.task_conditions(experiment, task)})
+
     def trials(self, experiment: str, set_name: str) -> range:
         """The trials, numbered from 1, of a set of the data of an experiment that has data of its own.
 

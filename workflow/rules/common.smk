@@ -9,7 +9,7 @@ sys.path.insert(0, str(workflow.basedir))
 from snakemake.exceptions import WorkflowError
 
 from workflow.plan.config import ConfigError, origin
-from workflow.artifacts.provenance import code_hash, lock_hash
+from workflow.artifacts.provenance import lock_hash, rule_code
 from workflow.plan.loading import plan
 from workflow.plan.study import FIT_PATH, TASKS, averaged_draws, feature_files
 
@@ -40,7 +40,7 @@ def sources(*kinds):
 
 def tracked(script):
     """The hash of a script with all project code that it imports and of the lock file: a change reruns the rule."""
-    return code_hash(Path(workflow.basedir) / "workflow" / "scripts" / script) + lock_hash()
+    return rule_code(Path(workflow.basedir) / "workflow" / "scripts" / script)
 
 
 wildcard_constraints:

@@ -96,7 +96,7 @@ def score_files():
         for D in experiment.settings["D"]:
             yield f"scores/{name}_D{D}_csl.csv"
             for task in TASKS:
-                if any(condition.D == D for condition in study.task_conditions(name, task)):
+                if D in study.tested_D(name, task):
                     yield f"scores/{name}_D{D}_{task}.csv"
 
 
@@ -110,6 +110,14 @@ def chains_of(wildcards):
                 condition.path
             )
     return [(dict(names), paths) for names, paths in chains.items()]
+
+
+def diagnosed():
+    """Each experiment and D that has chains to compare, as the names of its files have it."""
+    for name, experiment in study.experiments.items():
+        for D in experiment.settings["D"]:
+            if any(condition.D == D and condition.ROW in (0, 100) for condition in study.conditions(name)):
+                yield f"{name}_D{D}"
 
 
 # tasks.smk

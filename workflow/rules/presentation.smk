@@ -86,9 +86,7 @@ rule figure_of_instructions:
 rule present_uncertain:
     input:
         lambda wildcards: [
-            f"uncertain/{wildcards.experiment}_D{D}.csv"
-            for D in settings(wildcards)["D"]
-            if D in settings(wildcards)["generation"]["D"]
+            f"uncertain/{wildcards.experiment}_D{D}.csv" for D in study.tested_D(wildcards.experiment, "generation")
         ],
     output:
         **{form: f"tables/{{experiment}}_uncertain.{form}" for form in TABLE_FORMS},
@@ -136,7 +134,7 @@ rule count_confusions:
 rule figure_of_confusion:
     input:
         lambda wildcards: [
-            f"confusion/{wildcards.experiment}_D{D}.csv" for D in settings(wildcards)["description"]["D"]
+            f"confusion/{wildcards.experiment}_D{D}.csv" for D in study.tested_D(wildcards.experiment, "description")
         ],
     output:
         [path.replace("proposed", "{method}") for path in files_of("confusion_proposed")],
@@ -220,11 +218,7 @@ rule report:
             for name in study.experiments
             for figure in figures_of(name)
         ],
-        diagnostics=[
-            f"diagnostics/{name}_D{D}.csv"
-            for name in study.experiments
-            for D in study.experiments[name].settings["D"]
-        ],
+        diagnostics=expand("diagnostics/{chains}.csv", chains=diagnosed()),
         droppable=list(dict(droppable()).values()),
     output:
         report("report.html", caption="../report/report.rst", category="Report"),

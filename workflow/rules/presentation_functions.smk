@@ -8,10 +8,10 @@ from workflow.plan.settings import portable
 
 TABLES = tables_of(
     {
-        (name, task, condition.D)
+        (name, task, D)
         for name in study.experiments
         for task in TASKS
-        for condition in study.task_conditions(name, task)
+        for D in study.tested_D(name, task)
     }
     | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings["D"]},
     {name: experiment.partial_variants for name, experiment in study.experiments.items()},
@@ -39,8 +39,8 @@ def first_block(wildcards):
 
 def described(experiment):
     """The files of what the robot said of its actions in an experiment; none where the study has no such test."""
-    conditions = study.task_conditions(experiment, "description") if experiment in study.experiments else []
-    return [f"descriptions/{experiment}_D{D}.csv" for D in sorted({condition.D for condition in conditions})]
+    known = experiment in study.experiments
+    return [f"descriptions/{experiment}_D{D}.csv" for D in study.tested_D(experiment, "description")] if known else []
 
 
 def figures_of(name):
@@ -124,7 +124,7 @@ def droppable():
         extraction = experiment.settings.get("feature_extraction", {})
         if experiment.data == name and extraction.get("detection", {}).get("on_wrong_count") == "drop":
             used = {"train": experiment.settings["D"]}
-            used |= {task: [condition.D for condition in study.task_conditions(name, task)] for task in TASKS}
+            used |= {task: study.tested_D(name, task) for task in TASKS}
             for set_name, Ds in used.items():
                 if Ds:
                     yield f"{name}, {set_name}", f"features/{name}/D{max(Ds)}/{set_name}_trials.parquet"

@@ -5,7 +5,7 @@ from pathlib import Path
 from data_collection.episode import calibrate
 from data_collection.log.mcap_log import write_log
 from data_collection.settings import Simulation
-from workflow.artifacts.provenance import lock_hash
+from workflow.artifacts.provenance import parts_of_code
 from workflow.execution.job import job
 
 with job(snakemake):
@@ -13,6 +13,6 @@ with job(snakemake):
         Simulation.from_mapping(snakemake.params.simulation),
         experiment=snakemake.wildcards.experiment,
         seed=snakemake.params.seed,
-        provenance={"code_sha256": snakemake.params.code, "lock_sha256": lock_hash()},
+        provenance=parts_of_code(snakemake.params.code),
     )
     write_log(Path(snakemake.output[0]), log)

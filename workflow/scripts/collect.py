@@ -5,7 +5,7 @@ from pathlib import Path
 from data_collection.episode import collect
 from data_collection.log.mcap_log import write_log
 from data_collection.settings import Simulation
-from workflow.artifacts.provenance import lock_hash
+from workflow.artifacts.provenance import parts_of_code
 from workflow.execution.job import job
 
 with job(snakemake):
@@ -15,7 +15,7 @@ with job(snakemake):
         set_name=snakemake.params.set_name,
         trials=snakemake.params.trials,
         seed=snakemake.params.seed,
-        provenance={"code_sha256": snakemake.params.code, "lock_sha256": lock_hash()},
+        provenance=parts_of_code(snakemake.params.code),
     )
     for path, log in zip(snakemake.output, logs, strict=True):
         write_log(Path(path), log)

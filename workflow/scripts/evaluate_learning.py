@@ -3,7 +3,8 @@
 import logging
 from pathlib import Path
 
-from evaluation.scores import csl_measures, score_rows, write_scores
+from evaluation.learning import csl_measures
+from evaluation.scores import score_rows, write_scores
 from features.table import read_table
 from model import load
 from workflow.execution.job import job
@@ -14,7 +15,7 @@ with job(snakemake):
         if getattr(table, f"truth_{channel}") is None:
             logging.warning(
                 "%s: no column truth_%s, so that ARI of this channel stays empty",
-                snakemake.input.objects,
+                snakemake.input.trials if channel == "action" else snakemake.input.objects,
                 channel,
             )
     rows = []

@@ -12,7 +12,7 @@ from features.percept_data import join, load_percepts
 from features.table import read_table
 from features.transforms import load_transforms
 from model import load
-from workflow.artifacts.provenance import lock_hash
+from workflow.artifacts.provenance import parts_of_code
 from workflow.execution.job import job
 
 with job(snakemake):
@@ -38,7 +38,7 @@ with job(snakemake):
             experiment=params.data,
             seed=params.data_seed,
             commands=told,
-            provenance={"code_sha256": params.code, "lock_sha256": lock_hash()},
+            provenance=parts_of_code(params.code),
         )
         for i, log in enumerate(logs):
             write_log(folder / f"trial_{table.trial[i]:04}.mcap", log)

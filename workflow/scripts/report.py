@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pandas as pd
 
+from data_collection.files import replacing
 from evaluation.pages import origins, report
 from evaluation.pages.page import page
 from evaluation.scores import read_scores
-from features.files import replacing
 from features.table import read_metadata
 from workflow.execution.job import job
 from workflow.plan.settings import complete, origin

@@ -1,0 +1,18 @@
+"""What is read at most of a stranger's Parquet and npz files."""
+
+MAX_TABLE_BYTES = 2**30
+"""Size of a Parquet file, and of what it says to unpack to."""
+MAX_TABLE_ROWS = 2_000_000
+"""Rows of a Parquet file, and texts in one of its columns."""
+MAX_TABLE_VALUES = 50_000_000
+"""Numbers in one column of a Parquet file (rows × list length)."""
+
+MAX_VECTOR_LENGTH = 1000
+"""Numbers of one vector of features; the model squares it."""
+MAX_NUMBER = 1e9
+"""Largest size of one number of features; the model squares it."""
+MAX_TEXT_BYTES = 160
+"""Bytes of one text of a Parquet file: 40 characters of up to four bytes, see `WORD_PATTERN`."""
+
+MAX_ARRAYS_BYTES = 2**33
+"""What the arrays of one npz file unpack to: percepts of 1,000 trials take about 100 MB."""
