@@ -8,11 +8,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from data_collection.task import Command
 from evaluation.scores import write_csv
-from features.action import FINGER_RATE
 from features.table import FeatureTable
-from features.transforms import Transforms
 from model import Fit
 from model.data import Floats
 from model.prediction import Answer, understand
@@ -27,43 +24,6 @@ def objects_of(table: FeatureTable, row: int) -> dict[str, Floats]:
 def answers(fit: Fit, table: FeatureTable) -> tuple[Answer, ...]:
     """How the robot understands each instruction of a table; the instructed object is not looked at."""
     return tuple(understand(fit, objects_of(table, d), table.words[d]) for d in range(len(table.trial)))
-
-
-def commands(
-    rng: np.random.Generator,
-    fit: Fit,
-    transforms: Transforms,
-    table: FeatureTable,
-    answered: Sequence[Answer],
-    rest: Floats,
-) -> tuple[Command, ...]:
-    """Turn answers into actions: of the mean μ^a_k the gaze, the hand's target and the finger rate are carried out.
-
-    A target that is nearer to the hand's rest position than to the object leaves the hand at rest: that is what
-    a learned look-at is (model.md, section 5).
-
-    Args:
-        rng: decides between tied choices.
-        fit: what the robot learned.
-        transforms: fitted with the features that the fit has seen; they undo the scaling of actions.
-        table: the instructions' scenes.
-        answered: how the robot understands each instruction.
-        rest: (D, 3) where the hand rests in each scene, metres, robot frame.
-    """
-    told = []
-    for d, answer in enumerate(answered):
-        choices = answer.choices()
-        m, k = choices[int(rng.integers(len(choices)))]
-        place = objects_of(table, d)["position"][m]
-        mean = fit.state.mean[0][k]
-        target = transforms.hand_target(mean, place)
-        on_table = np.array([*place, float(transforms.table_height)])
-        stays = bool(np.linalg.norm(target - rest[d]) < np.linalg.norm(target - on_table))
-        rate = float(np.clip(transforms.action_scale.unscale(mean)[FINGER_RATE], 0.0, 1.0))
-        reach = None if stays else (float(target[0]), float(target[1]), float(target[2]))
-        gaze = (float(place[0]), float(place[1]))
-        told.append(Command(int(table.trial[d]), gaze, reach, 0.0 if stays else rate))
-    return tuple(told)
 
 
 def write_answers(table: FeatureTable, answered: Sequence[Answer], judged: Sequence[str | None], path: Path) -> None:

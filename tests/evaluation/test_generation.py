@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from evaluation.generation import answers, commands, measures, objects_of, read_answers, write_answers
+from evaluation.acting import commands
+from evaluation.generation import answers, measures, objects_of, read_answers, write_answers
 from features.table import FeatureTable
 from features.transforms import Transforms
 from model import Fit

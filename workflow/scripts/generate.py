@@ -2,12 +2,10 @@
 
 from pathlib import Path
 
-from data_collection.episode import execute
-from data_collection.log.mcap_log import write_log
-from data_collection.log.trial import truth
 from data_collection.seeding import generator
 from data_collection.settings import Simulation
-from evaluation.generation import answers, commands, write_answers, write_distributions
+from evaluation.acting import carry_out, commands
+from evaluation.generation import answers, write_answers, write_distributions
 from features.percept_data import join, load_percepts
 from features.table import read_table
 from features.transforms import load_transforms
@@ -33,16 +31,13 @@ with job(snakemake):
             answered,
             join([load_percepts(Path(path)) for path in snakemake.input.percepts]).hand,
         )
-        logs = execute(
+        judged = carry_out(
             Simulation.from_mapping(params.simulation),
+            told,
             experiment=params.data,
             seed=params.data_seed,
-            commands=told,
             provenance=parts_of_code(params.code),
+            folder=folder,
         )
-        for i, log in enumerate(logs):
-            write_log(folder / f"trial_{table.trial[i]:04}.mcap", log)
-            happened = truth(log)
-            judged[i] = happened.action_word if happened else None
     write_answers(table, answered, judged, Path(snakemake.output.answers))
     write_distributions(table, answered, Path(snakemake.output.scores))
