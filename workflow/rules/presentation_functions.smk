@@ -7,12 +7,7 @@ from workflow.artifacts.versions import pinned_packages, python_version, study_h
 from workflow.plan.settings import portable
 
 TABLES = tables_of(
-    {
-        (name, task, D)
-        for name in study.experiments
-        for task in TASKS
-        for D in study.tested_D(name, task)
-    }
+    {(name, task, D) for name in study.experiments for task in TASKS for D in study.tested_D(name, task)}
     | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings["D"]},
     {name: experiment.partial_variants for name, experiment in study.experiments.items()},
 )
