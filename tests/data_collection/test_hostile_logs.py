@@ -85,3 +85,12 @@ def test_a_bad_trial_number_is_refused(tmp_path: Path, number: str) -> None:
     says = refusal(tmp_path, log_file(messages("trial"), {"trial": number}))
     assert "metadata: trial is" in says
     assert len(says) < 300
+
+
+@pytest.mark.parametrize("topic", [channels.GAZE_TARGET, channels.FINGER_RATE, channels.CALIBRATION_PATTERN])
+def test_a_topic_of_another_kind_of_log_is_refused(tmp_path: Path, topic: str) -> None:
+    """In the log of an instruction nothing is done yet."""
+    other = next(raw for kind in ("trial", "calibration") for raw in messages(kind) if raw.topic == topic)
+    told = refusal(tmp_path, log_file((*messages("instruction"), other), metadata("instruction")))
+    kind = "calibration" if topic == channels.CALIBRATION_PATTERN else "instruction"
+    assert f"of kind {kind}" in told
