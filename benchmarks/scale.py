@@ -19,7 +19,7 @@ import yaml
 from benchmarks.jobs import job_times
 from benchmarks.summary import markdown, processor
 from workflow.artifacts.manifest import read_manifest
-from workflow.plan.config import read_config
+from workflow.plan.config import default, read_config
 
 CORES = (2, 100, 1000)
 RUN = "workflow"  # the stage of the run itself, which one process does
@@ -54,7 +54,7 @@ def larger(config: Mapping[str, Any], trials: int, seeds: int) -> dict[str, Any]
 
     result: dict[str, Any] = grown(config)
     for own in result["experiments"].values():
-        own["seeds"] = seeds * own.get("seeds", result.get("seeds", 10))
+        own["seeds"] = seeds * own.get("seeds", default("seeds"))
     return result
 
 

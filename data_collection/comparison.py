@@ -48,10 +48,11 @@ def regenerate(log: Log) -> Log:
         simulation = Simulation.from_mapping(json.loads(log.metadata["settings"]))
         seed, trial = int(log.metadata["seed"]), int(log.metadata["trial"])
         commands = [Command(**json.loads(log.metadata["command"]))] if "command" in log.metadata else []
-        if log.metadata["set"] not in (*SETS, "calibration"):
+        is_trial = log.metadata["set"] in SETS
+        if not is_trial and log.metadata["set"] != "calibration":
             raise ValueError(f"set {log.metadata['set']!r} is none of {', '.join(SETS)}, calibration")
-        if seed < 0 or not 0 <= trial <= MAX_TRIAL:
-            raise ValueError(f"seed {seed} and trial {trial}: at least 0, and at most {MAX_TRIAL:,} trials")
+        if seed < 0 or not int(is_trial) <= trial <= MAX_TRIAL:
+            raise ValueError(f"seed {seed}, trial {trial}: from 0, and from 1 to {MAX_TRIAL:,}, are expected")
     except (ValueError, TypeError, RecursionError) as error:
         raise LogError(f"{log.source}: its metadata do not fit this version:\n{error}") from error
     experiment, set_name = log.metadata["experiment"], log.metadata["set"]

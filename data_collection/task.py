@@ -63,6 +63,18 @@ class Command:
     target: tuple[float, float, float] | None
     finger_rate: float
 
+    def __post_init__(self) -> None:
+        """Refuse what is none, for commands are read from logs, too.
+
+        Raises:
+            ValueError: A number is missing, not finite, or out of its range.
+        """
+        wanted = ((self.gaze, 2), ((0.0,) * 3 if self.target is None else self.target, 3))
+        if any(np.shape(place) != (size,) or not np.isfinite(place).all() for place, size in wanted):
+            raise ValueError(f"gaze {self.gaze!r}, target {self.target!r}: two and three numbers are expected")
+        if self.trial < 1 or not 0.0 <= self.finger_rate <= 1.0:
+            raise ValueError(f"trial {self.trial!r}, finger_rate {self.finger_rate!r}: from 1, 0 to 1 are expected")
+
     def nearest(self, placed: Sequence[Placed]) -> int:
         """Return the index of the object that is nearest to the gaze."""
         return min(range(len(placed)), key=lambda i: math.dist(self.gaze, placed[i].position))

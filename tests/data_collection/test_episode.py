@@ -73,7 +73,20 @@ def test_regenerate_needs_the_simulators_metadata(trials: list[Log]) -> None:
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("set", "exam"), ("trial", "-1"), ("trial", "one"), ("seed", "-1"), ("command", '{"trial": 1}')],
+    [
+        ("set", "exam"),
+        ("trial", "-1"),
+        ("trial", "0"),
+        ("trial", "one"),
+        ("seed", "-1"),
+        ("command", '{"trial": 1}'),
+        ("command", '{"trial": 1, "gaze": [0.3], "target": null, "finger_rate": 0.5}'),
+        ("command", '{"trial": 1, "gaze": ["a", "b"], "target": null, "finger_rate": 0.5}'),
+        ("command", '{"trial": 1, "gaze": [0.3, NaN], "target": null, "finger_rate": 0.5}'),
+        ("command", '{"trial": 1, "gaze": [0.3, 0.0], "target": [0.3, 0.0], "finger_rate": 0.5}'),
+        ("command", '{"trial": 1, "gaze": [0.3, 0.0], "target": null, "finger_rate": 2.0}'),
+        ("command", '{"trial": 0, "gaze": [0.3, 0.0], "target": null, "finger_rate": 0.5}'),
+    ],
 )
 def test_regenerate_names_metadata_that_are_none(trials: list[Log], key: str, value: str) -> None:
     with pytest.raises(LogError, match=r"robot\.mcap: its metadata do not fit"):

@@ -124,3 +124,12 @@ def test_predictive_density_is_scipys_student(dim: int) -> None:
     expected = stats.multivariate_t(posterior.mean[0], shape, df=nu - dim + 1).logpdf(point)
     constant = student_constant(posterior, 0)
     assert student_log_density(posterior, 0, constant, point, np.empty(dim)) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("values", [[-1000.0, -1001.0, -2000.0], [0.0, -np.inf], [-np.inf, -np.inf]])
+def test_log_sums_where_probabilities_are_lost(values: list[float]) -> None:
+    """Far below what exp can hold, and where nothing is left to sum."""
+    given = np.array(values)
+    expected = np.logaddexp.reduce(given)
+    assert law.log_sum(given[None])[0, 0] == pytest.approx(expected, rel=1e-15)
+    assert law.log_total(given) == pytest.approx(expected, rel=1e-15)

@@ -100,24 +100,25 @@ def score_files():
                     yield f"scores/{name}_D{D}_{task}.csv"
 
 
+def has_one_posterior(condition):
+    """Whether the seeds of a condition are chains of one posterior: all words, or none, are heard."""
+    return condition.ROW in (0, 100)
+
+
 def chains_of(wildcards):
-    """The chains that have one posterior: for each condition in which all words, or none, are heard, its seeds' fits."""
+    """The chains that have one posterior: for each such condition its names, without the seed, and its seeds' fits."""
     chains = {}
-    for condition in tested(wildcards, "csl"):
-        if condition.ROW in (0, 100):
-            names = vars(condition) | {"seed": None}
-            chains.setdefault(tuple((key, value) for key, value in names.items() if key != "seed"), []).append(
-                condition.path
-            )
+    for condition in filter(has_one_posterior, tested(wildcards, "csl")):
+        names = tuple((key, value) for key, value in vars(condition).items() if key != "seed")
+        chains.setdefault(names, []).append(condition.path)
     return [(dict(names), paths) for names, paths in chains.items()]
 
 
 def diagnosed():
     """Each experiment and D that has chains to compare, as the names of its files have it."""
-    for name, experiment in study.experiments.items():
-        for D in experiment.settings["D"]:
-            if any(condition.D == D and condition.ROW in (0, 100) for condition in study.conditions(name)):
-                yield f"{name}_D{D}"
+    for name in study.experiments:
+        for D in dict.fromkeys(condition.D for condition in filter(has_one_posterior, study.conditions(name))):
+            yield f"{name}_D{D}"
 
 
 # tasks.smk
