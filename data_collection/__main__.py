@@ -101,7 +101,7 @@ def _regenerate(path: Path, options: argparse.Namespace) -> bool:
 
 
 def _export(logs: Sequence[Path], out: Path) -> int:
-    from data_collection.lerobot import export
+    from data_collection.lerobot.export import export
 
     files = [file for path in logs for file in (sorted(path.rglob("*.mcap")) if path.is_dir() else [path])]
     try:

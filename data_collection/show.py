@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from data_collection import task
+from data_collection.apparatus import ObjectKind
 from data_collection.files import replacing
 from data_collection.log import channels
 from data_collection.log.mcap_log import Log
 from data_collection.log.messages import Image, JointState
 from data_collection.log.trial import observation, truth
-from data_collection.settings import ObjectKind, Simulation
+from data_collection.settings import Simulation
 from data_collection.simulator import scene
 from data_collection.simulator.world import World
 

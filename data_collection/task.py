@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from data_collection.settings import ACTION, COLOR, OBJECT, POSITION, ObjectKind, Simulation, Tutor
+from data_collection.apparatus import ObjectKind, Tutor
+from data_collection.settings import ACTION, COLOR, OBJECT, POSITION, Simulation
 from data_collection.shapes import build
 
 _TRIES = 2000

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from data_collection.apparatus import Camera, Color, Light, Table
 from data_collection.log.messages import Floats, Image
-from data_collection.settings import Camera, Color, Light, Table
 from data_collection.shapes import Mesh, Shape, build, wavefront
 from data_collection.task import Placed
 

@@ -10,7 +10,8 @@ import pytest
 from PIL import Image
 
 from data_collection.joints import JOINT_NAMES
-from data_collection.lerobot import IMAGE_KEY, export
+from data_collection.lerobot.export import export
+from data_collection.lerobot.features import IMAGE_KEY
 from data_collection.log.mcap_log import Log, LogError, write_log
 from data_collection.log.trial import observation
 

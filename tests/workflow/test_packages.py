@@ -24,6 +24,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "data_collection.simulator",
         "data_collection.log",
         "data_collection.joints",
+        "data_collection.apparatus",
         "data_collection.settings",
         "data_collection.shapes",
         "data_collection.task",
