@@ -10,12 +10,8 @@ import numpy as np
 
 from model.compiled import compiled
 from model.data import Floats
-from model.gaussians import (
-    GaussianInverseWishart,
-    draw_posterior_gaussians,
-    gaussian_log_density,
-    gaussian_posterior,
-)
+from model.gaussian_densities import gaussian_log_density
+from model.gaussians import GaussianInverseWishart, draw_posterior_gaussians, gaussian_posterior
 from model.linear_algebra import update
 from model.predictive import student_log_density
 from model.prior import Prior

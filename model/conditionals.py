@@ -12,7 +12,8 @@ from model.compiled import compiled
 from model.data import Channel, Flags, Floats, Ints, Trials
 from model.distributions import dirichlet_log_density, draw_categorical, draw_index, draw_log_dirichlet, log_total
 from model.frames import FrameList, Rule, frame_list
-from model.gaussians import draw_posterior_gaussians, gaussian_log_density, gaussian_posterior, giw_log_density
+from model.gaussian_densities import gaussian_log_density, giw_log_density
+from model.gaussians import draw_posterior_gaussians, gaussian_posterior
 from model.prior import Prior
 from model.state import Settings
 

@@ -17,13 +17,8 @@ from model.distributions import (
     draw_log_dirichlet,
 )
 from model.frames import Rule, count_frames, distinct_frames
-from model.gaussians import (
-    draw_posterior_gaussians,
-    gaussian_log_density,
-    gaussian_log_marginal,
-    gaussian_posterior,
-    giw_log_density,
-)
+from model.gaussian_densities import gaussian_log_density, gaussian_log_marginal, giw_log_density
+from model.gaussians import draw_posterior_gaussians, gaussian_posterior
 from model.prior import GaussianPrior, Prior
 from model.state import State
 

@@ -11,7 +11,7 @@ from model.data import Floats, Ints
 from model.distributions import log_sum
 from model.fits import Fit
 from model.frames import METHODS
-from model.gaussians import gaussian_log_density
+from model.gaussian_densities import gaussian_log_density
 
 LONGEST_INSTRUCTION = 12
 

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from workflow.artifacts.provenance import ROOT
-from workflow.artifacts.store import Store, default_folder, default_limit
+from workflow.artifacts.store import Store, default_folder, default_limit, size_in_bytes
 from workflow.plan.config import ConfigError
 from workflow.plan.loading import load_study
 
@@ -43,7 +43,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--profile", default="default", help="default, slurm, or a folder with a Snakemake profile")
     run.add_argument("snakemake", nargs="*", help="further arguments for Snakemake, after --")
     explain.add_argument("path", type=Path, help="an artifact, for instance results/scores.csv")
-    clean.add_argument("--to", type=float, default=0.0, metavar="GIB", help="what may stay, last used first")
+    clean.add_argument("--to", default="0", metavar="GIB", help="what may stay, last used first")
     return parser
 
 
@@ -78,7 +78,7 @@ def _command(arguments: argparse.Namespace) -> int:
             _print(f"{store.folder}: {len(sizes)} jobs, {_mib(sum(sizes))} of at most {_mib(store.limit)}")
         case "cache-clean":
             store = _store(arguments)
-            count, freed = store.trim(int(arguments.to * 2**30))
+            count, freed = store.trim(size_in_bytes("--to", arguments.to, "0 to empty the cache"))
             _print(f"{store.folder}: {count} jobs removed, {_mib(freed)} freed")
     return 0
 

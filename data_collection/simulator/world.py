@@ -7,42 +7,16 @@ from typing import Any, Self
 
 import numpy as np
 
-from data_collection.joints import JOINT_NAMES
 from data_collection.log import channels
 from data_collection.log.messages import Floats, Image
 from data_collection.settings import Simulation
 from data_collection.simulator import hand_model, robot_model, scene
 from data_collection.simulator.inverse_kinematics import look, reach
 from data_collection.simulator.kinematics import HAND, Kinematics, rotation
+from data_collection.simulator.postures import COMFORTABLE, REST, angles_of
 from data_collection.simulator.recording import Recorder, Recording, smooth
 from data_collection.simulator.robot import Robot, finger_angles
 from data_collection.task import Outcome, Placed
-
-REST_DEGREES = {
-    "neck_pitch": -32.0,
-    "eyes_tilt": -26.0,
-    "eyes_version": 0.0,
-    "eyes_vergence": 8.0,
-    "r_shoulder_pitch": 10.0,
-    "r_shoulder_roll": 40.0,
-    "r_shoulder_yaw": -30.0,
-    "r_elbow": 96.0,
-    "r_wrist_prosup": 30.0,
-    "torso_pitch": 4.0,
-}
-"""Rest posture: head and eyes turned to the table, the right hand beside the body and out of the picture."""
-
-COMFORTABLE_DEGREES = {
-    **REST_DEGREES,
-    "torso_pitch": 12.0,
-    "r_shoulder_pitch": -30.0,
-    "r_shoulder_roll": 30.0,
-    "r_shoulder_yaw": 25.0,
-    "r_elbow": 72.0,
-    "r_wrist_prosup": 45.0,
-    "r_wrist_pitch": -8.0,
-}
-"""What the inverse kinematics leans to where the task leaves it free."""
 
 _PALM_GAP = 0.003
 """Between palm and top of the object in the best grasp, metres."""
@@ -64,8 +38,8 @@ class World:
         self._urdf = robot_model.robot_urdf(own_view=not whole_robot)
         self.client: Any = scene.connect()
         self.kinematics = Kinematics(self.description)
-        self.rest_angles = self._angles(REST_DEGREES)
-        self._comfortable = self._angles(COMFORTABLE_DEGREES)
+        self.rest_angles = angles_of(REST, self.kinematics)
+        self._comfortable = angles_of(COMFORTABLE, self.kinematics)
         self.objects: list[int] = []
         self.placed: tuple[Placed, ...] = ()
         self._clear()
@@ -237,12 +211,6 @@ class World:
         self.robot = Robot(self.client, self._urdf, self.kinematics)
         self.robot.set_finger_torque(self.simulation.hand.finger_torque, self.simulation.hand.friction)
         self.robot.place(self.rest_angles)
-
-    def _angles(self, degrees: dict[str, float]) -> Floats:
-        angles = np.array([math.radians(degrees.get(name, 0.0)) for name in JOINT_NAMES])
-        angles[HAND] = finger_angles(0.15)
-        bounded: Floats = np.clip(angles, self.kinematics.lower, self.kinematics.upper)
-        return bounded
 
 
 def _moved(before: Floats, after: Floats) -> bool:

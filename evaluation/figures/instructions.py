@@ -15,7 +15,8 @@ from matplotlib.patches import Rectangle
 from evaluation.figures.drawing import PAGE_WIDTH, STYLE
 from evaluation.generation import answers
 from evaluation.uncertain.answers import by_seed
-from evaluation.uncertain.instructions import KINDS, OBJECT_CHANNELS
+from evaluation.uncertain.instructions import KINDS
+from evaluation.uncertain.scenes import OBJECT_CHANNELS
 from features.table import FeatureTable
 from model import METHODS, Fit
 

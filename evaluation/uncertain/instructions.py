@@ -11,31 +11,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-import numpy as np
-
-from evaluation.generation import objects_of
+from evaluation.uncertain.scenes import OBJECT_CHANNELS, Scene, Words, places_of, scene_of, with_twin
 from features.table import FeatureTable
-from model.data import Floats
-
-OBJECT_CHANNELS = ("position", "object", "color")
-Words = Mapping[str, Sequence[str]]
-
-
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """The objects on a table.
-
-    Attributes:
-        trial: the number of the trial whose scene it is.
-        features: (M, dim) of the M objects, by channel.
-        truth: the true words of the M objects, by channel; None where one is not known.
-        instructed: index of the instructed object; None where it is not known.
-    """
-
-    trial: int
-    features: Mapping[str, Floats]
-    truth: Mapping[str, tuple[str | None, ...]]
-    instructed: int | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,43 +192,11 @@ def fitting(scene: Scene, sentence: Sequence[str], channel_of: Mapping[str, str]
 
 
 def _sources(table: FeatureTable, words: Words, channel_of: Mapping[str, str]) -> Iterator[Source]:
-    places = _places(table, words)
+    places = places_of(table, words)
     for row, sentence in enumerate(table.words):
-        scene = _scene(table, row)
+        scene = scene_of(table, row)
         said: dict[str, str] = {}
         for word in sentence:
             if word in channel_of:
                 said.setdefault(channel_of[word], word)
-        yield Source(scene, _with_twin(scene, places), said, words)
-
-
-def _scene(table: FeatureTable, row: int) -> Scene:
-    own = np.flatnonzero(table.trial_index == row)
-    truth = {
-        channel: getattr(table, f"truth_{channel}") or (None,) * len(table.position) for channel in OBJECT_CHANNELS
-    }
-    instructed = int(table.attended_object[row])
-    return Scene(
-        trial=int(table.trial[row]),
-        features=objects_of(table, row),
-        truth={channel: tuple(known[i] for i in own) for channel, known in truth.items()},
-        instructed=None if instructed < 0 else instructed,
-    )
-
-
-def _places(table: FeatureTable, words: Words) -> dict[str, Floats]:
-    """The position of the table's first object at each place, in the order of the position words."""
-    known = table.truth_position or ()
-    return {place: table.position[known.index(place)] for place in words["position"] if place in known}
-
-
-def _with_twin(scene: Scene, places: Mapping[str, Floats]) -> Scene | None:
-    """The scene with the instructed object a second time, at the first place where no object is."""
-    free = next((place for place in places if place not in scene.truth["position"]), None)
-    if scene.instructed is None or free is None or None in scene.truth["position"]:
-        return None
-    one = scene.instructed
-    features = {channel: np.concatenate([rows, rows[one : one + 1]]) for channel, rows in scene.features.items()}
-    features["position"][-1] = places[free]
-    truth = {channel: (*known, known[one]) for channel, known in scene.truth.items()}
-    return Scene(scene.trial, features, {**truth, "position": (*scene.truth["position"], free)}, one)
+        yield Source(scene, with_twin(scene, places), said, words)

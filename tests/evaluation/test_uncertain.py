@@ -23,7 +23,8 @@ from evaluation.uncertain.answers import (
     summarise_uncertain,
     write_uncertain,
 )
-from evaluation.uncertain.instructions import KINDS, OBJECT_CHANNELS, Instruction, Scene, fitting, instructions
+from evaluation.uncertain.instructions import KINDS, Instruction, fitting, instructions
+from evaluation.uncertain.scenes import OBJECT_CHANNELS, Scene
 from features.table import FeatureTable, head
 from model import Fit
 from model.prediction import Answer, understand

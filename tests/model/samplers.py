@@ -13,7 +13,8 @@ from model import conditionals as given
 from model.data import Floats, Ints
 from model.distributions import count_log_marginal
 from model.frames import METHODS
-from model.gaussians import gaussian_log_marginal, gaussian_posterior
+from model.gaussian_densities import gaussian_log_marginal
+from model.gaussians import gaussian_posterior
 from model.joint import draw_data, draw_frames_prior, draw_parameters
 from model.state import Partition
 from tests.synthetic import trials_of_model

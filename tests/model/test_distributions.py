@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from model import Prior, gaussians
+from model import Prior, gaussian_densities, gaussians
 from model import distributions as law
 from model.data import Floats, Ints
 from model.gaussians import GaussianInverseWishart
@@ -33,9 +33,9 @@ def test_giw_density_is_scipys(dim: int) -> None:
         scale = scale_of(posterior, k)
         expected = stats.invwishart(posterior.freedom[k], scale).logpdf(sigma)
         expected += stats.multivariate_normal(posterior.mean[k], sigma / posterior.strength[k]).logpdf(mean[k])
-        assert gaussians.giw_log_density(posterior, mean, factor)[k] == pytest.approx(expected)
+        assert gaussian_densities.giw_log_density(posterior, mean, factor)[k] == pytest.approx(expected)
         density = stats.multivariate_normal(mean[k], sigma).logpdf(features)
-        assert gaussians.gaussian_log_density(features, mean, factor)[:, k] == pytest.approx(density)
+        assert gaussian_densities.gaussian_log_density(features, mean, factor)[:, k] == pytest.approx(density)
 
 
 def test_posterior_is_that_of_the_specification() -> None:

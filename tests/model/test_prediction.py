@@ -12,7 +12,7 @@ from scipy.special import logsumexp
 
 from model import METHODS, Fit, Prior, Trials, fit, load, save
 from model.data import Floats
-from model.gaussians import gaussian_log_density
+from model.gaussian_densities import gaussian_log_density
 from model.prediction import LONGEST_INSTRUCTION, Answer, describe, responsibilities, understand
 
 METHOD_NAMES = ["proposed", "no_mec2", "mmlda"]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from workflow.__main__ import WRONG, main
 from workflow.artifacts.keys import job_key
 from workflow.artifacts.records import Record, content, read_record, records_of_job
 from workflow.artifacts.store import Store, default_folder, default_limit
@@ -214,3 +215,15 @@ def test_where_it_is_and_how_large(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
         monkeypatch.setenv("CACHE_GIB", wrong)
         with pytest.raises(ValueError, match=f"CACHE_GIB={wrong}: must be a number of gibibytes"):
             default_limit()
+
+
+def test_a_size_to_clean_to_is_read_like_the_limit(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    for wrong in ("much", "-1", "inf", "nan"):
+        monkeypatch.setattr("sys.argv", ["workflow", "cache-clean", "--cache", str(tmp_path), "--to", wrong])
+        assert main() == WRONG
+        assert capsys.readouterr().err == f"--to={wrong}: must be a number of gibibytes, 0 to empty the cache\n"
+    monkeypatch.setattr("sys.argv", ["workflow", "cache-clean", "--cache", str(tmp_path), "--to", "0.5"])
+    assert main() == 0
+    assert capsys.readouterr().out == f"{tmp_path}: 0 jobs removed, 0.0 MiB freed\n"

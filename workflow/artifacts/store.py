@@ -19,6 +19,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from workflow.artifacts.copies import copy, remove_any, temporary_name
 from workflow.artifacts.keys import hash_of
 from workflow.artifacts.records import FULL, Record, content, remove, write_record
 
@@ -43,14 +44,27 @@ def default_limit() -> int:
     Raises:
         ValueError: it is no such number.
     """
-    named = os.environ.get("CACHE_GIB") or str(DEFAULT_GIB)
+    return size_in_bytes("CACHE_GIB", os.environ.get("CACHE_GIB") or str(DEFAULT_GIB), "0 for no cache")
+
+
+def size_in_bytes(name: str, gibibytes: str, zero: str) -> int:
+    """Read a size that somebody gave.
+
+    Args:
+        name: of what was given.
+        gibibytes: what was given.
+        zero: what 0 means.
+
+    Raises:
+        ValueError: it is no such number.
+    """
     try:
-        gib = float(named)
+        size = float(gibibytes)
     except ValueError:
-        gib = -1.0
-    if not 0 <= gib < float("inf"):
-        raise ValueError(f"CACHE_GIB={named}: must be a number of gibibytes, 0 for no cache")
-    return int(gib * 2**30)
+        size = -1.0
+    if not 0 <= size < float("inf"):
+        raise ValueError(f"{name}={gibibytes}: must be a number of gibibytes, {zero}")
+    return int(size * 2**30)
 
 
 @dataclass(frozen=True)
@@ -98,7 +112,7 @@ class Store:
             (self.folder / "tmp").mkdir(parents=True, exist_ok=True)
             temporary = Path(tempfile.mkdtemp(dir=self.folder / "tmp"))
             for i, (path, record) in enumerate(sorted(records.items())):
-                _copy(out / path, temporary / str(i))
+                copy(out / path, temporary / str(i))
                 if content(temporary / str(i)).sha256 != record.sha256:
                     return False  # changed since it was made: whoever verifies it next will say so
             listing = {path: record.mapping() for path, record in sorted(records.items())}
@@ -142,8 +156,8 @@ class Store:
             try:
                 for role, path in paths.items():
                     number, record = numbers[role]
-                    copies.append((_temporary(out / path), path, record))
-                    _copy(entry / str(number), copies[-1][0])
+                    copies.append((temporary_name(out / path), path, record))
+                    copy(entry / str(number), copies[-1][0])
                     if content(copies[-1][0]).sha256 != record.sha256:
                         raise ValueError(f"what would be {path} has another sha256")
                 for copied, path, record in copies:
@@ -152,7 +166,7 @@ class Store:
                     write_record(out, path, record)
             finally:
                 for copied, _, _ in copies:
-                    _remove_any(copied)
+                    remove_any(copied)
         except FileNotFoundError:
             if key in self:  # else another process has just cleaned it away
                 self._damaged(entry, "a file is missing")
@@ -241,27 +255,3 @@ def _listing(entry: Path) -> list[Record]:
     if hash_of(data["outputs"]) != data["sha256"]:
         raise ValueError("its listing has another sha256")
     return [Record.from_mapping(each) for _, each in sorted(data["outputs"].items())]
-
-
-def _copy(source: Path, target: Path) -> None:
-    if source.is_dir():
-        target.mkdir()
-        for path in sorted(source.rglob("*")):
-            if path.is_file() and not path.name.startswith("."):
-                (target / path.relative_to(source)).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(path, target / path.relative_to(source))
-    else:
-        shutil.copyfile(source, target)
-
-
-def _temporary(path: Path) -> Path:
-    """A name beside a path that the next run takes for what a killed one left."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    return path.parent / f".{path.name}.{os.getpid()}.part"
-
-
-def _remove_any(path: Path) -> None:
-    if path.is_dir():
-        shutil.rmtree(path, ignore_errors=True)
-    else:
-        path.unlink(missing_ok=True)

@@ -1,0 +1,33 @@
+"""Copies of artifacts, which are files or folders."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+
+
+def copy(source: Path, target: Path) -> None:
+    """Copy a file, or a folder without its hidden files, to where nothing is."""
+    if source.is_dir():
+        target.mkdir()
+        for path in sorted(source.rglob("*")):
+            if path.is_file() and not path.name.startswith("."):
+                (target / path.relative_to(source)).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(path, target / path.relative_to(source))
+    else:
+        shutil.copyfile(source, target)
+
+
+def temporary_name(path: Path) -> Path:
+    """A name beside a path that the next run takes for what a killed one left."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path.parent / f".{path.name}.{os.getpid()}.part"
+
+
+def remove_any(path: Path) -> None:
+    """Remove a file or folder, if it is there."""
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
