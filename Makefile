@@ -94,7 +94,7 @@ format: $(READY)
 # The samplers are compared on the study's features: from the cache after a study, simulated in a few minutes without.
 bench: $(READY)
 	$(PYTHON) -m benchmarks.jobs $(OUT) --out $(OUT)/bench
-	test ! -f $(OUT)/manifest.json || $(PYTHON) -m benchmarks.scale needs $(OUT) --times 1000 > $(OUT)/bench/needs.md
+	test ! -f $(OUT)/bench/jobs.csv -o ! -f $(OUT)/manifest.json || $(PYTHON) -m benchmarks.scale needs $(OUT) --times 1000 > $(OUT)/bench/needs.md
 	$(PYTHON) -m benchmarks --out $(OUT)/bench
 	$(RUN) --config config/config.yaml --out $(OUT)/bench/study -- $(BENCH_TRIALS)
 	$(PYTHON) -m benchmarks.comparison --out $(OUT)/bench \

@@ -1,9 +1,9 @@
 """Where the time of a study goes, from the logs of its jobs: `python -m benchmarks.jobs STUDY --out DIR`.
 
 Writes jobs.csv and jobs.png: for each stage how many jobs ran, and the processor time of their processes, of which
-start-up is what passed before a job looked at its inputs. The stage `workflow` is the run itself: it lays jobs out,
-starts them and keeps what they made. Jobs whose results were kept or came from the cache count with the run that
-made them, if it was in this folder.
+start-up is what passed before a job looked at its inputs, and the memory of the largest one. The stage `workflow` are
+the runs themselves: they lay jobs out, start them and keep what they made. Jobs count where they ran: not in a folder
+that has their results from the cache, and still after their conditions have left the config.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from workflow.execution.job import time_of
 
 
 def job_times(logs: Path) -> pd.DataFrame:
-    """Seconds of each stage, the longest first: stage, jobs, start_up, work, processor, longest, share.
+    """Seconds of each stage, the longest first: stage, jobs, start_up, work, processor, longest, wall, memory, share.
 
     Args:
         logs: the folder of the job logs; a folder in it, or a log, is a stage.
@@ -29,12 +29,14 @@ def job_times(logs: Path) -> pd.DataFrame:
         for path in sorted(logs.rglob("*.log"))
         if (took := time_of(path)) is not None
     ]
-    jobs = pd.DataFrame(rows, columns=["stage", "start_up", "processor", "wall"])
+    jobs = pd.DataFrame(rows, columns=["stage", "start_up", "processor", "wall", "memory"])
     stages = jobs.groupby("stage").agg(
         jobs=("processor", "size"),
         start_up=("start_up", "sum"),
         processor=("processor", "sum"),
         longest=("processor", "max"),
+        wall=("wall", "sum"),
+        memory=("memory", "max"),
     )
     stages.insert(2, "work", stages["processor"] - stages["start_up"])
     stages["share"] = stages["processor"] / stages["processor"].sum()
@@ -66,6 +68,8 @@ def main() -> None:
     stages = job_times(arguments.study / "joblogs")
     if stages.empty:
         sys.stderr.write(f"{arguments.study}: no job has run here; run a study first to see where its time goes\n")
+        for old in ("jobs.csv", "jobs.png"):
+            (arguments.out / old).unlink(missing_ok=True)
         return
     arguments.out.mkdir(parents=True, exist_ok=True)
     stages.to_csv(arguments.out / "jobs.csv", index=False, float_format="%.4g")

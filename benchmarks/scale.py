@@ -8,6 +8,7 @@ and room, and what a study with so many times its jobs would take.
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -22,34 +23,47 @@ from workflow.artifacts.manifest import read_manifest
 from workflow.plan.config import default, read_config
 
 CORES = (2, 100, 1000)
+NUMBERS = ("D", "trials")  # the keys that say how many trials there are
 RUN = "workflow"  # the stage of the run itself, which one process does
+MORE_JOBS = ("collect", "perceive", "fit", "generate")  # a larger study has more of these; of all others longer ones
+SAME_ROOM = ("figures", "report.html", "claims.html", "claims.csv", "claims_comparisons.csv")
 _PAGE = """# What a study needs
 
-Written by `python -m benchmarks.scale needs`. {processor}; seconds are processor time. “× {times:,}” is a study with
-so many times as many jobs of the same kind.
+Written by `python -m benchmarks.scale needs`. {processor}; seconds are processor time, and memory is the most that one
+process held, libraries that it shares with others included. “× {times:,}” is a study that simulates, looks at, fits and
+carries out so many times as much: so many times the jobs of {more}. What sums them up are as many jobs as before,
+each in proportion longer.{elapsed}
 
 ## Time
 
 {time}
 
 The stage `{run}` is the run itself, which lays jobs out, starts them and keeps what they made: one process, whatever
-the number of cores; what it takes is a lower bound. All other stages share the cores. Here jobs were forks of one
-process; where each starts its own Python, as on a cluster, 1 to 3 s a job come on top.
+the number of cores. What it takes is a lower bound, and so is the longest job. All stages but this one share the cores.
+Here jobs were forks of one process; where each starts its own Python, as on a cluster, 1 to 3 s a job come on top.
 
 {wall}
 
 ## Room
+
+What does not show each condition stays as large as it is.
 
 {room}
 """
 
 
 def larger(config: Mapping[str, Any], trials: int, seeds: int) -> dict[str, Any]:
-    """The same study with so many times its trials (D, wherever a config names it) and its seeds."""
+    """The same study with so many times its trials (`NUMBERS`, wherever a config names them) and its seeds.
+
+    Raises:
+        ValueError: A factor is less than 1.
+    """
+    if trials < 1 or seeds < 1:
+        raise ValueError(f"{trials} times the trials, {seeds} times the seeds: both must be at least 1")
 
     def grown(value: Any) -> Any:
         if isinstance(value, Mapping):
-            return {key: _times(inner, trials) if key == "D" else grown(inner) for key, inner in value.items()}
+            return {key: _times(inner, trials) if key in NUMBERS else grown(inner) for key, inner in value.items()}
         return value
 
     result: dict[str, Any] = grown(config)
@@ -62,27 +76,46 @@ def needs(stages: pd.DataFrame, sizes: Mapping[str, int], times: int) -> str:
     """The page.
 
     Args:
-        stages: rows of `job_times`, one of them the run itself.
+        stages: rows of `job_times`, one of them the run itself; what is not known of wall and memory may be missing.
         sizes: bytes of the artifacts by folder.
         times: how many times as many jobs.
     """
-    rows = []
-    for stage, jobs, seconds in zip(stages["stage"], stages["jobs"], stages["processor"], strict=True):
-        more = jobs if stage == RUN else times * jobs
+    rows, shared, alone = [], {1: 0.0, times: 0.0}, {1: 0.0, times: 0.0}
+    for row in stages.to_dict("records"):
+        stage, jobs, seconds = row["stage"], row["jobs"], row["processor"]
+        more = times * jobs if stage in MORE_JOBS else jobs
+        memory = row.get("memory", math.nan)
+        known = "–" if math.isnan(memory) else f"{memory:,.0f}"
         rows.append(
-            [stage, f"{jobs:,}", f"{seconds / jobs:.3g}", _hours(seconds), f"{more:,}", _hours(times * seconds)]
+            [
+                stage,
+                f"{jobs:,}",
+                f"{seconds / jobs:.3g}",
+                known,
+                _hours(seconds),
+                f"{more:,}",
+                _hours(times * seconds),
+            ]
         )
-    shared = float(stages.loc[stages["stage"] != RUN, "processor"].sum())
-    alone = float(stages.loc[stages["stage"] == RUN, "processor"].sum())
-    wall = [[f"{cores:,}", *(_hours(n * max(shared / cores, alone)) for n in (1, times))] for cores in CORES]
-    largest = sorted(sizes.items(), key=lambda item: -item[1])
-    room = [[name, _gib(size), _gib(times * size)] for name, size in [*largest, ("all", sum(sizes.values()))]]
+        for n, number in ((1, jobs), (times, more)):
+            shared[n] += 0.0 if stage == RUN else n * seconds
+            alone[n] = max(alone[n], n * seconds / (1 if stage == RUN else number))
+    wall = [[f"{cores:,}", *(_hours(max(shared[n] / cores, alone[n])) for n in (1, times))] for cores in CORES]
+    after = {name: size if name in SAME_ROOM else times * size for name, size in sizes.items()}
+    largest = sorted(sizes, key=lambda name: -sizes[name])
+    room = [[name, _gib(sizes[name]), _gib(after[name])] for name in largest]
+    room.append(["all", _gib(sum(sizes.values())), _gib(sum(after.values()))])
+    run = stages[stages["stage"] == RUN]
+    elapsed = run["wall"].sum() if "wall" in run else 0.0
     hours = "core-hours"
+    head = ["stage", "jobs", "seconds a job", "memory, MiB", hours, f"jobs × {times:,}", f"{hours} × {times:,}"]
     return _PAGE.format(
         processor=processor(),
         times=times,
+        more=", ".join(MORE_JOBS),
+        elapsed=f" From its start to its end this study took {_hours(elapsed)} hours." if elapsed else "",
         run=RUN,
-        time=markdown(["stage", "jobs", "seconds a job", hours, f"jobs × {times:,}", f"{hours} × {times:,}"], rows),
+        time=markdown(head, rows),
         wall=markdown(["cores", "hours, at least", f"hours × {times:,}, at least"], wall),
         room=markdown(["folder", "GiB", f"GiB × {times:,}"], room),
     )
@@ -118,7 +151,13 @@ def main() -> int:
             grown = larger(read_config(arguments.file), arguments.trials, arguments.seeds)
             text = yaml.safe_dump(grown, sort_keys=False, default_flow_style=None, allow_unicode=True)
         else:
-            text = needs(job_times(arguments.study / "joblogs"), sizes_of(arguments.study), arguments.times)
+            sizes = sizes_of(arguments.study)
+            stages = job_times(arguments.study / "joblogs")
+            if stages.empty:
+                raise ValueError(
+                    f"{arguments.study}: no job has run here, so that no time is known; all results were kept"
+                )
+            text = needs(stages, sizes, arguments.times)
     except ValueError as error:
         sys.stderr.write(f"{error}\n")
         return 2

@@ -102,6 +102,14 @@ FIGURES = {
 }
 
 
+_CONFUSION = Figure(None, "The same as the confusion matrices of method A, with another method.")
+
+
+def figure_of(name: str) -> Figure | None:
+    """A kind of figure by its name; None where there is none. Every method has its `confusion_{method}`."""
+    return FIGURES.get(name, _CONFUSION if name.startswith("confusion_") else None)
+
+
 @dataclass(frozen=True)
 class Table:
     """One table: the part of the scores that it shows.

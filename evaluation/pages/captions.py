@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from evaluation.catalogue import FIGURES, Figure
+from evaluation.catalogue import Figure, figure_of
 
 
 def titled(stem: str, experiments: Collection[str]) -> tuple[str, Figure]:
@@ -15,11 +15,11 @@ def titled(stem: str, experiments: Collection[str]) -> tuple[str, Figure]:
         experiments: the names of the experiments.
     """
     pairs = [(name, stem.removeprefix(f"{name}_")) for name in experiments if stem.startswith(f"{name}_")]
-    known = [pair for pair in pairs if pair[1] in FIGURES]
+    known = [pair for pair in pairs if figure_of(pair[1])]
     experiment, figure = (known or sorted(pairs, reverse=True) or [("", stem)])[0]
     words = figure.replace("_", " ")
     title = ", ".join(filter(None, (words[:1].upper() + words[1:], experiment)))
-    return title, FIGURES.get(figure, Figure(None, ""))
+    return title, figure_of(figure) or Figure(None, "")
 
 
 def caption(figure: Figure) -> str:

@@ -39,6 +39,20 @@ def test_seeds_that_a_config_leaves_open_are_multiplied_too() -> None:
     assert grown["experiments"]["own"] == {"D": [6], "seeds": 30}
 
 
+def test_trials_that_are_simulated_are_multiplied_with_those_that_are_used() -> None:
+    own = {"D": [6, 9], "trials": 12, "features": {"trials": "t.parquet"}, "variants": {"few": {"only": {"D": [6]}}}}
+    grown = larger({"experiments": {"own": own}}, 2, 1)["experiments"]["own"]
+    assert (grown["D"], grown["trials"]) == ([12, 18], 24)
+    assert grown["variants"]["few"]["only"]["D"] == [12]
+    assert grown["features"] == own["features"]
+
+
+@pytest.mark.parametrize("factors", [(0, 1), (1, -2)])
+def test_a_study_cannot_be_smaller_than_itself(factors: tuple[int, int]) -> None:
+    with pytest.raises(ValueError, match="both must be at least 1"):
+        larger({"experiments": {"own": {"D": [6]}}}, *factors)
+
+
 def cells(page: str, first: str) -> list[str]:
     [line] = [line for line in page.splitlines() if line.startswith(f"| {first} |")]
     return [cell.strip() for cell in line.strip("|").split("|")]
@@ -46,14 +60,17 @@ def cells(page: str, first: str) -> list[str]:
 
 def test_what_is_shared_by_cores_and_what_is_not() -> None:
     stages = pd.DataFrame(
-        [("fit", 100, 720.0), ("tables", 1, 3.6), ("workflow", 1, 36.0)], columns=["stage", "jobs", "processor"]
+        [("fit", 100, 720.0, 300.0), ("tables", 2, 90.0, 200.0), ("workflow", 1, 36.0, 400.0)],
+        columns=["stage", "jobs", "processor", "memory"],
     )
-    page = needs(stages, {"fits": 2**30, "tables": 2**29}, 1000)
-    assert cells(page, "fit") == ["fit", "100", "7.2", "0.2", "100,000", "200"]
-    assert cells(page, "workflow") == ["workflow", "1", "36", "0.01", "1", "10"]
-    assert cells(page, "2") == ["2", "0.101", "100"]  # (720 + 3.6) / 2 seconds
-    assert cells(page, "100") == ["100", "0.01", "10"]  # what one process does is more than 723.6 / 100 seconds
-    assert cells(page, "all") == ["all", "1.5", "1,500"]
+    page = needs(stages, {"fits": 2**30, "figures": 2**29}, 1000)
+    assert cells(page, "fit") == ["fit", "100", "7.2", "300", "0.2", "100,000", "200"]
+    assert cells(page, "tables") == ["tables", "2", "45", "200", "0.025", "2", "25"]
+    assert cells(page, "workflow") == ["workflow", "1", "36", "400", "0.01", "1", "10"]
+    assert cells(page, "2") == ["2", "0.113", "112"]  # (720 + 90) / 2 seconds
+    assert cells(page, "100") == ["100", "0.0125", "12.5"]  # a table takes more than 810 / 100 seconds
+    assert cells(page, "figures") == ["figures", "0.5", "0.5"]
+    assert cells(page, "all") == ["all", "1.5", "1,000"]
 
 
 @pytest.mark.parametrize("manifest", [None, "{"])
@@ -74,5 +91,9 @@ def test_the_page_of_a_study(tmp_path: Path) -> None:
     (tmp_path / "manifest.json").write_text(json.dumps({"artifacts": {"fits/a/1.npz": record.mapping()}}))
     line = [sys.executable, "-m", "benchmarks.scale", "needs", str(tmp_path), "--times", "10"]
     page = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    assert cells(page, "fit") == ["fit", "1", "7.2", "0.002", "10", "0.02"]
+    assert cells(page, "fit") == ["fit", "1", "7.2", "–", "0.002", "10", "0.02"]
     assert cells(page, "fits") == ["fits", "3", "30"]
+    log.write_text("killed\n")
+    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"{tmp_path}: no job has run here" in done.stderr

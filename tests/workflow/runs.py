@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -17,16 +18,27 @@ SMOKE = ROOT / "config" / "smoke.yaml"
 ARTIFACTS = (".mcap", ".parquet", ".npz", ".csv", ".md", ".tex", ".html", ".png", ".pdf", ".gif")
 
 
+def copy_project(folder: Path) -> Path:
+    """A copy, in an empty folder, of what a study needs of the project: one that a test may change."""
+    for name in ("data_collection", "features", "model", "evaluation", "workflow", "config"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("Snakefile", "environment.lock", "pyproject.toml"):
+        shutil.copy(ROOT / name, folder)
+    return folder
+
+
 def command(config: Path, out: Path, *more: str, cache: Path | None = None) -> list[str]:
     """The command line that the Makefile uses, with a cache for this output folder alone unless one is named."""
     base = [sys.executable, "-m", "workflow", "run", "--config", str(config), "--out", str(out), "--cores", "2"]
     return [*base, *("--cache", str(cache or f"{out}.cache")), *(["--", *more] if more else [])]
 
 
-def run(config: Path, out: Path, *more: str, succeeds: bool = True, cache: Path | None = None) -> str:
-    """Run a study and return what it printed."""
+def run(
+    config: Path, out: Path, *more: str, succeeds: bool = True, cache: Path | None = None, root: Path = ROOT
+) -> str:
+    """Run a study, of the clone at `root`, and return what it printed."""
     line = command(config, out, *more, cache=cache)
-    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=False)
+    done = subprocess.run(line, cwd=root, capture_output=True, text=True, check=False)
     printed = done.stdout + done.stderr
     assert (done.returncode == 0) is succeeds, printed
     return printed

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -16,6 +15,7 @@ import pytest
 import yaml
 from snakemake.iocontainers import InputFiles
 
+from tests.workflow.runs import copy_project
 from workflow.artifacts.keys import job_key, output_key, plain
 from workflow.artifacts.provenance import ROOT
 from workflow.execution import engine
@@ -198,10 +198,7 @@ class Copy:
 
 @pytest.fixture
 def project(tmp_path: Path) -> Copy:
-    for name in ("data_collection", "features", "model", "evaluation", "workflow", "config"):
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("Snakefile", "environment.lock", "pyproject.toml"):
-        shutil.copy(ROOT / name, tmp_path)
+    copy_project(tmp_path)
     (tmp_path / "out").mkdir()
     return Copy(tmp_path)
 

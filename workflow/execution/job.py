@@ -9,10 +9,11 @@ from __future__ import annotations
 import json
 import logging
 import os
+import resource
 import sys
 import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -82,17 +83,26 @@ def _where_full(error: Exception) -> str:
     return f"\nthe disk of {where} is full; make room and run again, which goes on from here"
 
 
-def time_line(start_up: float, wall: float) -> str:
-    """What time this process took until now, as the last line of a log; the arguments are those of `time_of`."""
-    took = {"start_up": start_up, "processor": time.process_time(), "wall": wall}
+def time_line(start_up: float, wall: float, before: Mapping[str, float] | None = None) -> str:
+    """What this process took until now, as the last line of a log.
+
+    Args:
+        start_up: as in `time_of`.
+        wall: as in `time_of`.
+        before: what earlier processes took, which counts as well.
+    """
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    took = {"start_up": start_up, "processor": time.process_time(), "wall": wall, "memory": memory}
+    for name, value in (before or {}).items():
+        took[name] = max(took[name], value) if name == "memory" else took[name] + value
     return f"{TOOK}{json.dumps({name: round(value, 3) for name, value in took.items()})}\n"
 
 
 def time_of(log: Path) -> dict[str, float] | None:
-    """The seconds that a job took, from the last line of its log; None where there is none.
+    """What a job took, from the last line of its log; None where there is none.
 
-    `wall` is the time from when its inputs were looked at; `processor` is that of its whole process, `start_up` what
-    of it was spent before.
+    Seconds: `wall` is the time from when its inputs were looked at; `processor` is that of its whole process,
+    `start_up` what of it was spent before. `memory` is the most that its process held, in MiB.
     """
     try:
         line = log.read_text(encoding="utf-8", errors="replace").rstrip().rpartition("\n")[2]

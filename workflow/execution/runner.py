@@ -61,9 +61,8 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
         progress.end()
         if progress.done:  # what it took to lay out, start and keep the jobs
             with suppress(OSError):  # the disk may be full
-                (out / "joblogs" / "workflow.log").write_text(
-                    time_line(0.0, time.monotonic() - began), encoding="utf-8"
-                )
+                log = out / "joblogs" / "workflow.log"
+                log.write_text(time_line(0.0, time.monotonic() - began, time_of(log)), encoding="utf-8")
         if not keeper.complete:
             status = FAILED
         if status == 0 and keeper.artifacts is not None:

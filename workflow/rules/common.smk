@@ -38,6 +38,11 @@ def sources(*kinds):
     return "|".join(names) or "(?!)"
 
 
+def methods():
+    """The names of all methods that are run; ALL runs by itself."""
+    return sorted({"gmm"}.union(*(experiment.settings["methods"] for experiment in study.experiments.values())))
+
+
 def tracked(script):
     """The hash of a script with all project code that it imports and of the lock file: a change reruns the rule."""
     return rule_code(Path(workflow.basedir) / "workflow" / "scripts" / script)
@@ -46,7 +51,7 @@ def tracked(script):
 wildcard_constraints:
     experiment="|".join(study.experiments),
     variant=r"[A-Za-z][A-Za-z0-9_-]*",
-    method="proposed|no_mec2|mmlda|gmm",
+    method="|".join(methods()),
     inference=r"[a-z]+(_averaged\d+)?",
     set="train|generation|description",
     block=r"\d+-\d+",

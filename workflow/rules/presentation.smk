@@ -137,7 +137,7 @@ rule figure_of_confusion:
             f"confusion/{wildcards.experiment}_D{D}.csv" for D in study.tested_D(wildcards.experiment, "description")
         ],
     output:
-        [path.replace("proposed", "{method}") for path in files_of("confusion_proposed")],
+        files_of("confusion_{method}"),
     log:
         "joblogs/figures/{experiment}/confusion_{method}.log",
     params:
@@ -210,7 +210,7 @@ rule report:
         ],
         figures=[
             report(
-                f"figures/{name}_{figure}.{FIGURES[figure].forms[0]}",
+                f"figures/{name}_{figure}.{figure_of(figure).forms[0]}",
                 caption="../report/figure.rst",
                 category="Figures",
                 labels=figure_labels(f"{name}_{figure}"),

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from evaluation.pages.captions import caption, titled
-from evaluation.catalogue import CATEGORY_FIGURES, FIGURES, FIT_FIGURES, TABLE_FORMS, files_of_tables, tables_of
+from evaluation.catalogue import CATEGORY_FIGURES, FIT_FIGURES, TABLE_FORMS, figure_of, files_of_tables, tables_of
 from workflow.artifacts.versions import pinned_packages, python_version, study_hash
 from workflow.plan.settings import portable
 
@@ -68,7 +68,7 @@ def acts(name):
 
 def files_of(figure):
     """The files of one kind of figure, whose experiment is a wildcard."""
-    return [f"figures/{{experiment}}_{figure}.{form}" for form in FIGURES[figure].forms]
+    return [f"figures/{{experiment}}_{figure}.{form}" for form in figure_of(figure).forms]
 
 
 def figure_files():

@@ -1,0 +1,40 @@
+"""A method that somebody adds: a row in the table of methods and a name in the schema."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from model import METHODS
+from tests.synthetic import write_own_study
+from tests.workflow.runs import copy_project, run
+from workflow.plan.config import SCHEMAS
+
+SCHEMA = "config.schema.json"
+
+
+def test_the_schema_knows_the_methods() -> None:
+    assert json.loads((SCHEMAS / SCHEMA).read_text())["$defs"]["method"]["enum"] == list(METHODS)
+
+
+@pytest.mark.slow
+def test_a_method_is_a_row_and_a_name(tmp_path: Path) -> None:
+    project, out = copy_project(tmp_path / "project"), tmp_path / "out"
+    table = project / "model" / "frames.py"
+    row = '    "free": Method("(F) free", "independent"),\n}\n\n\nclass FrameList'
+    text = table.read_text(encoding="utf-8")
+    assert text.count("}\n\n\nclass FrameList") == 1
+    table.write_text(text.replace("}\n\n\nclass FrameList", row), encoding="utf-8")
+    schema = project / "workflow" / "schemas" / SCHEMA
+    names = schema.read_text(encoding="utf-8")
+    assert names.count('"mmlda", "gmm"]}') == 1
+    schema.write_text(names.replace('"gmm"]}', '"gmm", "free"]}'), encoding="utf-8")
+    files = {"trials": "trials.parquet", "objects": "objects.parquet"}
+    own = {"features": files | {"description": files}, "methods": ["free", "no_mec2"], "seeds": 1, "ROW": [0]}
+    run(write_own_study(tmp_path, **own), out, root=project)
+    table_of_learning = (out / "tables" / "own_csl.md").read_text(encoding="utf-8")
+    assert "(F) free" in table_of_learning
+    assert (out / "figures" / "own_confusion_free.png").stat().st_size > 1000
+    assert "own_confusion_free.png" in (out / "report.html").read_text(encoding="utf-8")
