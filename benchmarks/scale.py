@@ -29,18 +29,20 @@ MORE_JOBS = ("collect", "perceive", "fit", "generate")  # a larger study has mor
 SAME_ROOM = ("figures", "report.html", "claims.html", "claims.csv", "claims_comparisons.csv")
 _PAGE = """# What a study needs
 
-Written by `python -m benchmarks.scale needs`. {processor}; seconds are processor time, and memory is the most that one
-process held, libraries that it shares with others included. “× {times:,}” is a study that simulates, looks at, fits and
-carries out so many times as much: so many times the jobs of {more}. What sums them up are as many jobs as before,
-each in proportion longer.{elapsed}
+Written by `python -m benchmarks.scale needs`. {processor}; seconds are processor time, and memory is the most that
+one process held, libraries that it shares with others included.{elapsed}
+
+“× {times:,}” is a study that simulates, looks at, fits and carries out so many times as much: so many times the jobs
+of {more}. What sums them up are as many jobs as before, each in proportion longer.
 
 ## Time
 
 {time}
 
 The stage `{run}` is the run itself, which lays jobs out, starts them and keeps what they made: one process, whatever
-the number of cores. What it takes is a lower bound, and so is the longest job. All stages but this one share the cores.
-Here jobs were forks of one process; where each starts its own Python, as on a cluster, 1 to 3 s a job come on top.
+the number of cores. What it takes is a lower bound, and so is the longest job. All stages but this one share the
+cores. Here jobs were forks of one process; where each starts its own Python, as on a cluster, 1 to 3 s a job come on
+top.
 
 {wall}
 
@@ -86,18 +88,9 @@ def needs(stages: pd.DataFrame, sizes: Mapping[str, int], times: int) -> str:
         more = times * jobs if stage in MORE_JOBS else jobs
         memory = row.get("memory", math.nan)
         known = "–" if math.isnan(memory) else f"{memory:,.0f}"
-        rows.append(
-            [
-                stage,
-                f"{jobs:,}",
-                f"{seconds / jobs:.3g}",
-                known,
-                _hours(seconds),
-                f"{more:,}",
-                _hours(times * seconds),
-            ]
-        )
-        for n, number in ((1, jobs), (times, more)):
+        row_now = [stage, f"{jobs:,}", f"{seconds / jobs:.3g}", known, _hours(seconds)]
+        rows.append([*row_now, f"{more:,}", _hours(times * seconds)])
+        for n, number in {1: jobs, times: more}.items():
             shared[n] += 0.0 if stage == RUN else n * seconds
             alone[n] = max(alone[n], n * seconds / (1 if stage == RUN else number))
     wall = [[f"{cores:,}", *(_hours(max(shared[n] / cores, alone[n])) for n in (1, times))] for cores in CORES]
@@ -154,9 +147,7 @@ def main() -> int:
             sizes = sizes_of(arguments.study)
             stages = job_times(arguments.study / "joblogs")
             if stages.empty:
-                raise ValueError(
-                    f"{arguments.study}: no job has run here, so that no time is known; all results were kept"
-                )
+                raise ValueError(f"{arguments.study}: no job has run here, so that no time is known")
             text = needs(stages, sizes, arguments.times)
     except ValueError as error:
         sys.stderr.write(f"{error}\n")
@@ -166,6 +157,8 @@ def main() -> int:
 
 
 def _times(value: Any, times: int) -> Any:
+    if isinstance(value, str):  # the name of a file
+        return value
     return [times * each for each in value] if isinstance(value, Sequence) else times * value
 
 
