@@ -43,7 +43,7 @@ $(READY): environment.lock
 		echo "Setting up $(VENV) with a Python 3.11 of uv (about two minutes)"; uv venv --quiet --seed --python 3.11 $(VENV); \
 	else \
 		echo "This project needs Python 3.11 (PyBullet has no wheels for newer ones), and found neither it nor uv." >&2; \
-		echo "Install one of them: Debian 12 or Ubuntu with a 3.11 package: apt install python3.11 python3.11-venv;" >&2; \
+		echo "Install one of them (python3.11 with its venv module): Debian 12 or Ubuntu with a 3.11 package: apt install python3.11 python3.11-venv;" >&2; \
 		echo "any system: pip install uv, which fetches Python 3.11 by itself." >&2; exit 1; \
 	fi
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check -r environment.lock

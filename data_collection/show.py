@@ -20,6 +20,9 @@ from data_collection.simulator.world import World
 
 _EYE, _TOWARDS = np.array([1.02, -0.46, 0.50]), np.array([0.14, -0.02, 0.06])
 
+_GAP = 32
+"""Between two trials on a page, pixels."""
+
 
 def strip(log: Log, only: tuple[bool, bool, bool] = (True, True, True)) -> Image:
     """Return the pictures before, at gaze and after side by side, with trial and sentence written under them.
@@ -88,9 +91,10 @@ def contact_sheet(logs: Sequence[Log], columns: int = 3) -> Image:
     height = max(tile.shape[0] for tile in tiles)
     width = max(tile.shape[1] for tile in tiles)
     rows = math.ceil(len(tiles) / columns)
-    page = np.full((rows * height, columns * width, 3), 255, dtype=np.uint8)
+    pitch = width + _GAP
+    page = np.full((rows * height, columns * pitch - _GAP, 3), 255, dtype=np.uint8)
     for number, tile in enumerate(tiles):
-        top, left = number // columns * height, number % columns * width
+        top, left = number // columns * height, number % columns * pitch
         page[top : top + tile.shape[0], left : left + tile.shape[1]] = tile
     return page
 

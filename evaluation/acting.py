@@ -32,7 +32,7 @@ def commands(
     """Turn answers into actions: of the mean μ^a_k the gaze, the hand's target and the finger rate are carried out.
 
     A target that is nearer to the hand's rest position than to the object leaves the hand at rest: that is what
-    a learned look-at is (model.md, section 5).
+    a learned look-at is.
 
     Args:
         rng: decides between tied choices.

@@ -99,6 +99,7 @@ def compare(results: pd.DataFrame, reference: pd.DataFrame) -> Compared:
     cells["p"] = _welch(cells)
     cells["verdict"] = np.where(cells["rows_results"].notna(), *ONE_ONLY)
     same = both & _identical(results, reference).reindex(cells.index, fill_value=False)
+    same |= both & (cells["n_results"] == 0) & (cells["n_reference"] == 0)
     undefined = (cells["n_results"] == 0) != (cells["n_reference"] == 0)
     tested = both & ~same & cells["p"].notna()
     alarm = pd.Series(False, index=cells.index)

@@ -13,14 +13,12 @@ from data_collection.log.mcap_log import Log
 from data_collection.log.trial import Observation, Truth, calibration, observation, truth
 from features.detection import Found, crop, detect, without_rim
 from features.object_feature import FC6_SIZE, fc6
-from features.percept_data import Percepts, first, join, load_percepts, save_percepts
+from features.percept_data import Percepts, join
 from features.position import standing_position
 from features.settings import Detection, FeatureSettings
 from features.table import Texts
 from features.threads import one_thread
 from features.view import View, fit_view
-
-__all__ = ["DetectionError", "Percepts", "first", "join", "load_percepts", "perceive", "save_percepts"]
 
 log = logging.getLogger(__name__)
 

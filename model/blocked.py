@@ -36,7 +36,7 @@ def init(rng: np.random.Generator, trials: Trials, rule: Rule, priors: Priors, s
 def step(
     rng: np.random.Generator, state: State, trials: Trials, rule: Rule, priors: Priors, settings: Settings
 ) -> State:
-    """One iteration: z, π and φ of each channel, then F, then θ (model.md, section 3).
+    """One iteration: z, π and φ of each channel, then F, then θ (Algorithm 1 of the paper).
 
     Given z, F and θ the channels are independent, so that it makes no difference that the three
     updates of one channel are done before the next channel's.

@@ -43,7 +43,7 @@ def step(
     priors: Priors,
     temperature: float = 1.0,
 ) -> Partition:
-    """One sweep: each element of each channel, then each sentence (model.md, section 4)."""
+    """One sweep: each element of each channel, then each sentence (docs/model.md, The two samplers)."""
     z = list(state.z)
     for c, prior in enumerate(priors):
         explained = explained_words(rule, state.F, c, len(trials.word_trial))

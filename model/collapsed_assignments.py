@@ -1,7 +1,7 @@
 """The collapsed sampler's conditional of z: one element given all others, π, φ and θ integrated out.
 
 The counts and Gaussians of the others are kept while a sweep goes on: an element is taken out, weighed against each
-category, and put into the one that is drawn (model.md, section 4).
+category, and put into the one that is drawn (docs/model.md, The two samplers).
 """
 
 from __future__ import annotations

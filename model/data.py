@@ -146,7 +146,7 @@ class Trials:
         return cls(tuple(channels), np.tile(tokens, (len(channels), 1)), word_trial, vocabulary)
 
     def keep_words(self, kept: NDArray[np.bool_]) -> Trials:
-        """Leave only the words t with kept[t]; the vocabulary stays as it is (model.md, section 2)."""
+        """Leave only the words t with kept[t]; the vocabulary stays as it is (docs/concepts.md, ROW)."""
         words = np.ascontiguousarray(self.words[:, kept])
         return Trials(self.channels, words, self.word_trial[kept], self.vocabulary)
 

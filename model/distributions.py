@@ -40,7 +40,7 @@ def draw_log_dirichlet(rng: np.random.Generator, concentration: Floats, averaged
     Args:
         rng: the fit's generator.
         concentration: positive, (rows, size).
-        averaged_draws: the result is the log of the mean of so many draws (model.md, section 3, choices).
+        averaged_draws: the result is the log of the mean of so many draws (docs/model.md, The two samplers).
     """
     rows, size = concentration.shape
     result = np.empty((rows, size))

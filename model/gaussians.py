@@ -38,7 +38,7 @@ class GaussianInverseWishart(NamedTuple):
 
 @compiled
 def fit_category(law: GaussianInverseWishart, k: int, prior: GaussianPrior, features: Floats, z: Ints) -> None:
-    """Set category k of `law` to its posterior given the points with z = k (model.md, section 3, step 3)."""
+    """Set category k of `law` to its posterior given the points with z = k, as Algorithm 1 draws from it."""
     dim = features.shape[1]
     count, centre, upper = 0, np.zeros(dim), law.upper[k]
     for i in range(len(z)):
@@ -125,7 +125,7 @@ def draw_gaussians(
         rng: the fit's generator.
         law: the K distributions.
         averaged_draws: μ is the mean of so many draws given Σ. Above 1 this is not Gibbs sampling
-            any more (model.md, section 3, choices).
+            any more (docs/model.md, The two samplers).
     """
     K, dim = law.mean.shape
     mean, factor = np.empty((K, dim)), np.zeros((K, dim, dim))

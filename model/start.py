@@ -1,4 +1,4 @@
-"""Where chains start (model.md, section 3, choices)."""
+"""Where chains start (docs/model.md, The two samplers)."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class State:
 
 @dataclass(frozen=True)
 class Settings:
-    """How the blocked sampler deviates from the published algorithm (model.md, section 3, choices).
+    """How the blocked sampler deviates from the published algorithm (docs/model.md, The two samplers).
 
     Attributes:
         averaged_draws: θ and μ are means of so many draws; 1 is the published algorithm, 100 the authors' program.

@@ -24,8 +24,9 @@ _TIME = attrgetter("time")
 
 @dataclass(frozen=True)
 class Episode:
-    """Arrays of one trial: each vector (F, n), the pictures, and for each of F frames which one it shows."""
+    """One trial, its log's path, each vector (F, n), the pictures, and for each of F frames which one it shows."""
 
+    source: str
     task: str
     times: Floats
     vectors: dict[str, Floats]
@@ -77,4 +78,5 @@ def _episode(log: Log) -> Episode:
         "action": np.vstack([states[1:], states[-1:]]),
     }
     times = (np.array([frame[0] for frame in frames], dtype=np.float64) - frames[0][0]) / codec.NANOSECONDS
-    return Episode(" ".join(seen.words), times, vectors, tuple(pictures), tuple(frame[4] for frame in frames))
+    task, shown = " ".join(seen.words), tuple(frame[4] for frame in frames)
+    return Episode(str(log.source), task, times, vectors, tuple(pictures), shown)

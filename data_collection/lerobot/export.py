@@ -53,13 +53,13 @@ def _write(folder: Path, logs: Sequence[Path]) -> None:
         for episode in episodes(logs):
             shape = episode.pictures[0].shape
             if size is not None and shape != size:
-                raise LogError(f"trial {len(rows)} of the export has images of {shape}, the first one of {size}")
+                raise LogError(f"{episode.source} has images of {shape}, the trials before it of {size}")
             own_rate = rate_of(episode)
             if size is None:
                 size, rate = shape, own_rate
             if abs(own_rate - rate) > 0.1 * rate:
-                says = f"has {own_rate:g} joint states a second, the first one {rate:g}"
-                raise LogError(f"trial {len(rows)} of the export {says}")
+                says = f"has {own_rate:g} joint states a second, the first trial {rate:g}"
+                raise LogError(f"{episode.source} {says}")
             task = tasks.setdefault(episode.task, len(tasks))
             table = frames_table(episode, len(rows), start, task, rate)
             writer = writer or parquet.ParquetWriter(path, table.schema, compression="zstd")

@@ -182,7 +182,8 @@ CLAIMS = (
         "Reach / touch is the pair of action words most often confused",
         "simulator",
         tuple(Comparison(_confusions(PAIR), ">", _confusions(other)) for other in OTHER_PAIRS),
-        note="Counts of both directions, in all of the matrices that Figure 6 shows: D 20 and 40, ROW 0 and 40, A.",
+        note="Counts of both directions, in the matrices of the paper's Figure 6: D 20 and 40, ROW 0 and 40, A. "
+        "Where a word is true of no test action, confusions with it are counted in one direction only.",
     ),
     Claim(
         12,

@@ -66,8 +66,9 @@ def position_categories(fit: Fit, title: str) -> Figure:
             own, shade = points[z == k], palette(i % 10)
             axes.plot(own[:, 1], own[:, 0], "x", color=shade, markersize=6)
             _ellipse(axes, fit.state.mean[c][k], fit.state.factor[c][k], shade)
-            label, middle = category_label(fit, c, i, int(k)), own.mean(axis=0)[::-1]
-            axes.annotate(label, middle, color=shade, ha="center", va="bottom", weight="bold", bbox=behind)
+            above = (own[:, 1].mean(), own[:, 0].max())  # the crosses stay in sight
+            place: dict[str, Any] = {"xytext": (0, 6), "textcoords": "offset points", "ha": "center", "va": "bottom"}
+            axes.annotate(category_label(fit, c, i, int(k)), above, color=shade, weight="bold", bbox=behind, **place)
         axes.set_aspect("equal", adjustable="datalim")
         axes.autoscale_view()
         axes.invert_xaxis()

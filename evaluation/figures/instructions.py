@@ -129,7 +129,9 @@ def _rates(axes: Axes, answered: pd.DataFrame, methods: Sequence[str], measure: 
     for i, method in enumerate(methods):
         own = means[means["method"] == method].groupby("kind")[measure].agg(["mean", "std"]).reindex(present)
         heights = [place[kind] + _aside(i, len(methods), 0.22) for kind in present]
-        axes.errorbar(own["mean"], heights, xerr=own["std"].fillna(0.0), **_marks(method))
+        spread = own["std"].fillna(0.0)
+        within = np.minimum([spread, spread], [own["mean"], 1.0 - own["mean"]])  # a share is at most 1
+        axes.errorbar(own["mean"], heights, xerr=within, **_marks(method))
     axes.set_yticks(list(place.values()), [KINDS[kind].label for kind in present])
     axes.set_ylim(max(len(present), 1) - 0.5, -0.5)
     axes.set_xlim(0.0, 1.03)
@@ -139,12 +141,16 @@ def _aside(i: int, count: int, step: float) -> float:
     return (i - (count - 1) / 2) * step
 
 
+_SHAPES = "os^Dv<>"
+_COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
+
+
 def _marks(method: str) -> dict[str, Any]:
     """How a method is drawn, told apart by color and by shape."""
     i = list(METHODS).index(method)
     return {
-        "fmt": "os^D"[i],
-        "color": ("#0072b2", "#d55e00", "#009e73", "#cc79a7")[i],
+        "fmt": _SHAPES[i % len(_SHAPES)],
+        "color": _COLORS[i % len(_COLORS)],
         "markersize": 5,
         "capsize": 2,
         "linewidth": 1,

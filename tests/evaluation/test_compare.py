@@ -61,6 +61,7 @@ def cell(values: list[float]) -> pd.DataFrame:
         ([0.5, 0.7], [0.7, 0.5], "explained by the seeds"),
         ([0.5, 0.7], [np.nan, np.nan], "differs"),
         ([np.nan, np.nan], [np.nan, np.nan], "the same"),
+        ([np.nan, np.nan], [np.nan, np.nan, np.nan], "the same"),
         ([0.5], [0.5], "the same"),
         ([0.5], [0.6], "too few seeds to say"),
     ],

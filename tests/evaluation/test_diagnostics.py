@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from evaluation.diagnostics import diagnose_condition, write_page
 from evaluation.figures.chains import chains_figure
+from evaluation.pages.diagnostics import diagnose_condition, write_page
 from features.table import FeatureTable
 from model import Fit, Trials, fit
 

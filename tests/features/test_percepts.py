@@ -13,7 +13,8 @@ import pytest
 from data_collection.log import channels, codec
 from data_collection.log.mcap_log import Log, LogError, read_log, write_log
 from features.arrays import ArtifactError
-from features.percepts import DetectionError, Percepts, first, join, load_percepts, perceive, save_percepts
+from features.percept_data import Percepts, first, join, load_percepts, save_percepts
+from features.percepts import DetectionError, perceive
 from features.settings import FeatureSettings
 from features.transforms import relative_hand
 

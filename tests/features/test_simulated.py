@@ -16,7 +16,8 @@ from sklearn.neighbors import KNeighborsClassifier, NearestCentroid
 
 from data_collection.log.mcap_log import read_log
 from data_collection.log.trial import Truth, truth
-from features.percepts import Percepts, perceive
+from features.percept_data import Percepts
+from features.percepts import perceive
 from features.settings import FeatureSettings
 from features.table import FeatureTable
 from features.transforms import apply, fit_transforms

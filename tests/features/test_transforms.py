@@ -13,7 +13,8 @@ import pytest
 
 from features.arrays import ArtifactError
 from features.overview import overview
-from features.percepts import Percepts, first, perceive
+from features.percept_data import Percepts, first
+from features.percepts import perceive
 from features.settings import FeatureSettings
 from features.table import read_metadata, read_table, write_table
 from features.transforms import (

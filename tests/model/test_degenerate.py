@@ -1,4 +1,4 @@
-"""Property-based tests over degenerate inputs: every fit runs and stays finite (model.md, section 3, numerics)."""
+"""Property-based tests over degenerate inputs: every fit runs and stays finite (docs/model.md, Numerics)."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def test_giw_density_is_scipys(dim: int) -> None:
 
 
 def test_posterior_is_that_of_the_specification() -> None:
-    """V_n by the formula of model.md, written out with plain sums."""
+    """V_n by its formula, written out with plain sums."""
     rng = np.random.default_rng(5)
     prior = Prior(categories=2, mean=0.5, mean_strength=0.3, scale=0.2)
     x = rng.normal(size=(6, 3))

@@ -245,12 +245,15 @@ def test_a_folder_without_locks_is_used(
     assert f"{tmp_path}: cannot be locked" in capsys.readouterr().err
 
 
-def test_what_a_study_within_this_folder_is_writing_is_left_alone(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "sign", [".artifacts", ".running"]
+)  # before the first job has ended there is only the latter
+def test_what_a_study_within_this_folder_is_writing_is_left_alone(tmp_path: Path, sign: str) -> None:
     own, inner = tmp_path / "out" / "fits" / ".1.npz.part", tmp_path / "out" / "smoke" / "fits" / ".1.npz.part"
     for part in (own, inner):
         part.parent.mkdir(parents=True)
         part.touch()
-    (tmp_path / "out" / "smoke" / ".artifacts").mkdir()
+    (tmp_path / "out" / "smoke" / sign).mkdir()
     assert tiny.run(tmp_path / "out", Store(tmp_path / "cache")) == 0
     assert not own.exists()
     assert inner.exists()

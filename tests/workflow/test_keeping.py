@@ -13,6 +13,7 @@ import pytest
 from tests.workflow.tiny import carry_out as carry_out_in
 from tests.workflow.tiny import plan, work
 from workflow.artifacts.keys import output_key
+from workflow.artifacts.manifest import verify
 from workflow.artifacts.records import DamagedError, read_record, record_path
 from workflow.artifacts.store import Store
 from workflow.execution.dag import Job, Plan, keys_of
@@ -92,6 +93,26 @@ def test_a_damaged_artifact_is_named_and_made_again(
     assert run() == ["fit"]  # what follows has the right keys and stays
     assert f"damaged: {path.removesuffix('/two.txt')}, will be made again" in capsys.readouterr().err
     assert (out / path).read_text() == before
+
+
+def test_what_somebody_changed_in_a_folder_is_set_aside(
+    run: Run, out: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run()
+    before = (out / "fits/more/two.txt").read_text()
+    (out / "fits/more/form_ann.csv").write_text("much work")
+    (out / "fits/more/two.txt").write_text("edited")
+    capsys.readouterr()
+    assert run() == ["fit"]
+    said = capsys.readouterr().err
+    for name, text in (("form_ann.csv", "much work"), ("two.txt", "edited")):
+        assert (out / "changed/fits/more" / name).read_text() == text
+        assert f"changed: fits/more/{name} is now changed/fits/more/{name}" in said
+    assert (out / "fits/more/two.txt").read_text() == before
+    (out / "fits/more/two.txt").write_text("edited again")
+    assert run() == ["fit"]
+    assert (out / "changed/fits/more/2_two.txt").read_text() == "edited again"
+    assert verify(out)[1] == []
 
 
 @pytest.mark.parametrize("path", ["mcap/a.mcap", "fits/1.npz", ".artifacts/fits/1.npz.json"])

@@ -59,7 +59,7 @@ def test_a_variant_is_run_only_where_it_says() -> None:
 
 def test_only_speaks_of_the_reference_by_its_name() -> None:
     def methods(**only: Any) -> set[str]:
-        own = study(minimal(ROW=[0, 40], variants={"few": {"only": only}}))
+        own = study(minimal(ROW=[0, 40], variants={"few": {"only": only}}, generation={"ROW": [0, 40]}))
         return {condition.method for condition in own.conditions("own")}
 
     assert methods(ROW=[40]) == {"proposed", "no_mec2", "mmlda", "gmm"}
@@ -91,11 +91,26 @@ def test_the_fit_whose_actions_are_shown() -> None:
     assert study(minimal(generation={"sentences": 0})).generation_condition("own") is None
 
 
+def test_zero_leaves_a_task_out_of_shared_trials_too() -> None:
+    short = {"data": "a", "D": [6], "generation": {"sentences": 0}, "description": {"actions": 0}}
+    shared = study({"experiments": {"a": {"words": WORDS, "D": [6]}, "b": short}})
+    for task in ("generation", "description"):
+        assert shared.task_conditions("a", task)
+        assert shared.task_conditions("b", task) == []
+
+
 def test_hyperparameters_by_channel() -> None:
     config = minimal(K={"action": 5}, variants={"v": {"alpha": 0.5, "gamma": {"color": 2.0}}})
     priors = study(config).experiments["own"].priors("v")
     assert priors["action"] == {"categories": 5, "concentration": 0.5}
     assert priors["color"] == {"concentration": 0.5, "word_concentration": 2.0}
+
+
+def test_a_variant_changes_the_channels_that_it_names() -> None:
+    config = minimal(K={"action": 20, "object": 20}, variants={"few": {"K": {"action": 5}}, "same": {}})
+    few, same = (study(config).experiments["own"].priors(name) for name in ("few", "same"))
+    assert few == same | {"action": {"categories": 5}}
+    assert same == {channel: {"categories": 20} for channel in ("action", "object")} | {"position": {}, "color": {}}
 
 
 def test_blocks_of_trials_stay_when_more_are_added() -> None:

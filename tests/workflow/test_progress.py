@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import threading
 from pathlib import Path
 
 import pytest
@@ -65,13 +66,50 @@ def test_the_rest_is_judged_by_what_jobs_of_its_stages_took() -> None:
 
 def test_nothing_is_said_of_the_rest_while_most_of_it_is_unknown() -> None:
     stream = Terminal()
-    progress = Progress(stream, Clock())
+    progress = Progress(stream, clock := Clock())
     progress.begin(["collect"] * 2 + ["fit"] * 8)
+    clock.now += 20.0
     progress.finished("collect", 20.0)
     assert progress.remaining() is None
-    assert stream.getvalue().endswith("1 of 10 jobs done (10%), collect 1 of 2")
+    assert stream.getvalue().endswith("1 of 10 jobs done (10%), collect 1 of 2, 20 s so far")
     progress.finished("fit", 0.2)
     assert progress.remaining() is not None
+
+
+def test_while_a_long_job_runs_the_line_is_redrawn() -> None:
+    stream, clock = io.StringIO(), Clock()
+    progress = Progress(stream, clock)
+    progress.begin(["fit"] * 3)
+    for seconds in (40.0, 20.0, 9.0, 1.0, 15.0):
+        clock.now += seconds
+        if seconds == 40.0:
+            progress.finished("fit", 40.0)
+        else:
+            progress.tick()
+    assert stream.getvalue().splitlines() == [
+        "1 of 3 jobs done (33%), fit 1 of 3, about 80 s left",
+        "1 of 3 jobs done (33%), fit 1 of 3, about 50 s left",
+    ]
+    clock.now += 60.0
+    progress.tick()
+    assert stream.getvalue().splitlines()[-1] == "1 of 3 jobs done (33%), fit 1 of 3, 2 min so far"
+    progress.end()
+
+
+def test_a_thread_redraws_the_line_until_the_run_ends() -> None:
+    clock, ticks = Clock(), threading.Event()
+
+    class Watched(Progress):
+        def tick(self) -> None:
+            super().tick()
+            ticks.set()
+
+    progress = Watched(Terminal(), clock)
+    progress.begin(["fit"])
+    assert ticks.wait(30.0)
+    progress.end()
+    ticks.clear()
+    assert not ticks.wait(1.5)
 
 
 def test_a_run_without_jobs_says_nothing() -> None:

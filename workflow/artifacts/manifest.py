@@ -12,7 +12,8 @@ from workflow.artifacts.records import FOLDER, Content, Record, await_record, co
 
 MANIFEST = "manifest.json"
 # What stands in an output folder beside artifacts: notes of runs, what is committed, measurements of speed.
-NO_ARTIFACTS = ("joblogs", "reference", "bench", "snakemake_report.html", MANIFEST)
+CHANGED = "changed"  # where a run moves what somebody changed in the folder of an artifact
+NO_ARTIFACTS = ("joblogs", "reference", "bench", "snakemake_report.html", CHANGED, MANIFEST)
 
 
 def write_manifest(out: Path, artifacts: Mapping[str, str], patience: float = 30.0) -> None:

@@ -6,10 +6,11 @@ would go by times of files and by its own notes, of which a restored artifact ha
 
 from __future__ import annotations
 
+import io
 import logging
 import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, redirect_stderr
 from dataclasses import dataclass
 from pathlib import Path
 from signal import Signals
@@ -18,13 +19,14 @@ from typing import Any
 from workflow.artifacts.provenance import ROOT, code_is_unchanged, rule_code
 from workflow.execution import cluster, forks
 from workflow.execution.dag import Job, Plan
+from workflow.execution.job import last_lines
 from workflow.execution.roles import by_role
 
 SCRIPTS = ROOT / "workflow" / "scripts"
 PROFILES = ROOT / "workflow" / "profiles"
 DEFAULT = "default"
 # What Snakemake says before it lays out the jobs.
-CHATTER = ("Assuming unrestricted shared filesystem", "Building DAG of jobs")
+CHATTER = ("Using profile", "Assuming unrestricted shared filesystem", "Building DAG of jobs")
 
 
 @dataclass(frozen=True)
@@ -102,11 +104,22 @@ def planned(config: Path, out: Path) -> list[Job]:
 @contextmanager
 def _hooked(hooks: Hooks) -> Iterator[None]:
     """Put the hooks in place of methods of Snakemake, and forks in place of its processes, while the block lasts."""
+    from snakemake import cli
     from snakemake.dag import DAG
     from snakemake.logging import LoggerManager
     from snakemake.script import PythonScript
 
     finish, make_handler, calm = DAG.finish, LoggerManager._default_streamhandler, _Calm()
+    parse_args = cli.parse_args
+
+    def parsed(argv: Any) -> Any:
+        said = io.StringIO()
+        try:
+            with redirect_stderr(said):
+                return parse_args(argv)
+        finally:
+            lines = said.getvalue().splitlines(keepends=True)
+            sys.stderr.writelines(line for line in lines if not line.startswith(CHATTER))
 
     async def decided(dag: Any, create_inventory: bool = False) -> None:
         ordered = [job for level in dag.toposorted() for job in sorted(level, key=_name)]
@@ -147,9 +160,9 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
     def execute(script: Any, fname: str, edit: bool = False) -> None:
         status = forks.run(fname)
         if status < 0:  # it could not say why by itself
-            sys.stderr.write(
-                f"rule {script.rulename} was ended by {Signals(-status).name}\n(more in {script.log[0]})\n"
-            )
+            log = str(script.log[0])
+            ended = f"rule {script.rulename} was ended by {Signals(-status).name}"
+            sys.stderr.write(f"{ended}\n{last_lines(Path(log))}(more in {log})\n")
         if status != 0:
             raise JobError(script.rulename)
 
@@ -160,6 +173,7 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
 
     with ExitStack() as replaced:
         for owner, method, replacement in (
+            (cli, "parse_args", parsed),
             (DAG, "update_needrun", decided),
             (DAG, "finish", finished),
             (PythonScript, "execute_script", execute),

@@ -31,7 +31,8 @@ TOOK = "took "  # begins the last line of a job's log
 def job(snakemake: Any) -> Iterator[None]:
     """Verify the inputs of a job, record its outputs, and send all that it prints, even compiled code, to its log.
 
-    Warnings and the message of a failure appear on the screen as well, the failure's traceback in the log only.
+    Warnings appear on the screen as well, and of a failure the message and what the job had printed last; the
+    traceback is in the log only.
     An input that is damaged is named and removed.
 
     Args:
@@ -60,11 +61,10 @@ def job(snakemake: Any) -> Iterator[None]:
             with turn_of_job(OUT), recorded(snakemake):
                 yield
         except Exception as error:
-            print(
-                f"{clear}{type(error).__name__}: {error}{_where_full(error)}\n(more in {log})",
-                file=screen,
-                flush=True,
-            )
+            sys.stdout.flush()
+            sys.stderr.flush()
+            says = f"{type(error).__name__}: {error}{_where_full(error)}"
+            print(f"{clear}{says}\n{last_lines(Path(log))}(more in {log})", file=screen, flush=True)
             with suppress(OSError):  # the log may be on a full disk
                 traceback.print_exc()
             raise SystemExit(1) from None
@@ -81,6 +81,17 @@ def _where_full(error: Exception) -> str:
         return ""
     where = error.filename or OUT.resolve()
     return f"\nthe disk of {where} is full; make room and run again, which goes on from here"
+
+
+def last_lines(log: Path, count: int = 5) -> str:
+    """What a job printed last, as indented lines; nothing where it printed nothing."""
+    try:
+        with log.open("rb") as file:
+            file.seek(max(0, log.stat().st_size - 4096))
+            end = file.read().decode("utf-8", errors="replace")
+    except OSError:
+        return ""
+    return "".join(f"    {line}\n" for line in end.splitlines()[-count:])
 
 
 def time_line(start_up: float, wall: float, before: Mapping[str, float] | None = None) -> str:

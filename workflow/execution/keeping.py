@@ -7,10 +7,11 @@ from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import count
 from pathlib import Path
 
 from workflow.artifacts.keys import output_key
-from workflow.artifacts.manifest import MANIFEST
+from workflow.artifacts.manifest import CHANGED, MANIFEST
 from workflow.artifacts.records import Record, content, contents, read_record, remove
 from workflow.artifacts.store import Store
 from workflow.execution.dag import Job, Plan, keys_of
@@ -41,8 +42,8 @@ class Keeper:
         judged = _judge(self._out, jobs, keys)
         for path in judged.damaged:
             _say(f"damaged: {path}, will be made again")
-        for rule, count in judged.stale.items():
-            _say(f"stale: {count} of rule {rule}, made by other code, settings or inputs")
+        for rule, number in judged.stale.items():
+            _say(f"stale: {number} of rule {rule}, made by other code, settings or inputs")
         restored: list[int] = []
         needed: list[int] = []
         for i, (job, key) in enumerate(zip(jobs, keys, strict=True)):
@@ -53,6 +54,7 @@ class Keeper:
                 continue
             if for_real:
                 for path in job.outputs.values():
+                    _set_aside(self._out, path)
                     remove(self._out, path)
                 fetched = not job.forced and self._store.fetch(key, self._out, job.outputs)
             else:
@@ -113,6 +115,23 @@ def _judge(out: Path, jobs: Sequence[Job], keys: Sequence[str]) -> _Judged:
     found = {path: each.sha256 for path, each in contents(out, sorted(right)).items() if each is not None}
     sound = {path: record for path, record in right.items() if found.get(path) == record.sha256}
     return _Judged(sound, sorted(found.keys() - sound.keys()), dict(sorted(stale.items())))
+
+
+def _set_aside(out: Path, path: str) -> None:
+    """Move what somebody added to the folder of an artifact, or changed in it, to `OUT/changed`: it may be work."""
+    record = read_record(out, path)
+    if record is None or record.files is None or not (out / path).is_dir():
+        return
+    own = content(out / path).files or {}
+    for name in [name for name, sha256 in own.items() if record.files.get(name) != sha256]:
+        aside = out / CHANGED / path / name
+        for number in count(2):
+            if not aside.exists():
+                break
+            aside = aside.with_name(f"{number}_{Path(name).name}")
+        aside.parent.mkdir(parents=True, exist_ok=True)
+        (out / path / name).rename(aside)
+        _say(f"changed: {path}/{name} is now {aside.relative_to(out)}")
 
 
 def _say(line: str) -> None:

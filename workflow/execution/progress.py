@@ -1,4 +1,7 @@
-"""One line for a run as a whole: the stage, how many jobs are done of how many, and about how long the rest takes."""
+"""One line for a run as a whole: the stage, how many jobs are done of how many, and about how long the rest takes.
+
+A thread of its own redraws it, so that one sees that the run is alive while a long job takes its time.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import sys
 import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
+from threading import Event, Lock, Thread
 from typing import TextIO
 
 from workflow.execution.job import CLEAR
@@ -27,7 +31,10 @@ class Progress:
         self._left: Counter[str] = Counter()
         self._done: Counter[str] = Counter()
         self._seconds: defaultdict[str, float] = defaultdict(float)
-        self._began = self._told = clock()
+        self._began = self._told = self._latest = clock()
+        self._stage = ""
+        self._ended, self._lock = Event(), Lock()
+        self._alive: Thread | None = None
 
     def begin(self, stages: Iterable[str]) -> None:
         """A run begins.
@@ -36,9 +43,12 @@ class Progress:
             stages: the stage of each job that is to be made.
         """
         self._left = Counter(stages)
-        self._began = self._told = self._clock()
-        if self._stream.isatty() and self._left:
-            self._write("")
+        self._began = self._told = self._latest = self._clock()
+        if self._left:
+            if self._stream.isatty():
+                self._write()
+            self._alive = Thread(target=self._redraw, daemon=True)
+            self._alive.start()
 
     def finished(self, stage: str, seconds: float) -> None:
         """A job has ended well.
@@ -47,13 +57,19 @@ class Progress:
             stage: its stage.
             seconds: what it took.
         """
-        self._left[stage] -= 1
-        self._done[stage] += 1
-        self._seconds[stage] += max(seconds, 1e-3)
-        now = self._clock()
-        if self._stream.isatty() or now - self._told >= EVERY or not self._left.total():
-            self._told = now
-            self._write(stage)
+        with self._lock:
+            self._stage, self._latest = stage, self._clock()
+            self._left[stage] -= 1
+            self._done[stage] += 1
+            self._seconds[stage] += max(seconds, 1e-3)
+            if not self._tell_if_due() and not self._left.total():
+                self._write()
+
+    def tick(self) -> None:
+        """Some time has passed in which no job ended."""
+        with self._lock:
+            if self._left.total():
+                self._tell_if_due()
 
     @property
     def done(self) -> int:
@@ -62,6 +78,9 @@ class Progress:
 
     def end(self) -> None:
         """The run has ended, well or not: what is written next begins a line."""
+        self._ended.set()
+        if self._alive is not None:
+            self._alive.join()
         if self._stream.isatty() and self._done.total() + self._left.total():
             self._stream.write("\n")
             self._stream.flush()
@@ -69,23 +88,39 @@ class Progress:
     def remaining(self) -> float | None:
         """Seconds that the rest takes, if a job takes what those of its stage took; None while too little is known.
 
-        Stages differ a hundredfold, so that nothing is said before most jobs that are left are of known stages.
+        Stages differ a hundredfold, so that nothing is said before most jobs that are left are of known stages. What
+        was known when a job last ended goes down from then on; once it has, nothing is known any more.
         """
         means = {stage: self._seconds[stage] / count for stage, count in self._done.items()}
         known = sum(self._left[stage] for stage in means)
         if 2 * known < self._left.total():
             return None
         ahead = sum(self._left[stage] * mean for stage, mean in means.items()) * self._left.total() / max(known, 1)
-        return (self._clock() - self._began) * ahead / sum(self._seconds.values())
+        left = (self._latest - self._began) * ahead / sum(self._seconds.values()) - (self._clock() - self._latest)
+        return left if left > 0 else None
 
-    def _write(self, stage: str) -> None:
+    def _redraw(self) -> None:
+        while not self._ended.wait(1.0):
+            self.tick()
+
+    def _tell_if_due(self) -> bool:
+        now = self._clock()
+        due = self._stream.isatty() or now - self._told >= EVERY
+        if due:
+            self._told = now
+            self._write()
+        return due
+
+    def _write(self) -> None:
+        stage = self._stage
         done, total = self._done.total(), self._done.total() + self._left.total()
         line = f"{done} of {total} jobs done ({done / total:.0%})"
         if stage:
             line += f", {stage} {self._done[stage]} of {self._done[stage] + self._left[stage]}"
         if done < total:
             seconds = self.remaining() if done else None
-            line += "" if seconds is None else f", about {span(seconds)} left"
+            passed = f", {span(self._clock() - self._began)} so far"
+            line += passed if seconds is None else f", about {span(seconds)} left"
         else:
             line += f" in {span(self._clock() - self._began)}"
         self._stream.write(f"{CLEAR}{line}" if self._stream.isatty() else f"{line}\n")

@@ -20,7 +20,7 @@ from workflow.execution.dag import Job, Plan
 from workflow.execution.job import time_line, time_of
 from workflow.execution.keeping import Keeper
 from workflow.execution.progress import Progress
-from workflow.execution.turns import turn_of_run
+from workflow.execution.turns import RUNNING, turn_of_run
 from workflow.plan.config import keep_config
 
 FAILED, BUSY = 1, 3
@@ -74,7 +74,7 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
             except OSError as error:
                 sys.stderr.write(f"{out}: the manifest cannot be written ({error})\n")
                 status = FAILED
-            store.trim()
+        store.trim()
         if status == 0 and REPORT in (keeper.artifacts or ()):
             sys.stderr.write(f"look at {out / REPORT}\n")
         elif status != 0:
@@ -127,7 +127,9 @@ def _remove_parts(out: Path) -> None:
     A study in a folder within this one is left alone: it may be running.
     """
     for folder, inner, files in os.walk(out):
-        inner[:] = [name for name in inner if not Path(folder, name, FOLDER).is_dir()]
+        inner[:] = [
+            name for name in inner if not any(Path(folder, name, sign).exists() for sign in (FOLDER, RUNNING))
+        ]
         for name in [each for each in (*inner, *files) if each.startswith(".") and each.endswith(".part")]:
             part = Path(folder, name)
             if part.is_dir():

@@ -55,11 +55,20 @@ def contradictions(name: str, config: Mapping[str, Any]) -> Iterator[str]:
         for other in CHANNELS[i + 1 :]:
             for word in sorted(set(words[channel]) & set(words[other])):
                 yield f"{where}.words: {word!r} is a word of {channel} and of {other} (allowed: one channel a word)"
+    yield from _tests_without_effect(where, own)
     yield from _conditions_not_run(where, own, config)
     trials = experiments[owner].get("trials")
     for i, D in enumerate(own["D"]):
         if trials is not None and D > trials:
             yield f"{where}.D[{i}]: {D} is more than the {trials} trials collected (experiments.{owner}.trials)"
+
+
+def _tests_without_effect(where: str, own: Mapping[str, Any]) -> Iterator[str]:
+    """Numbers of test trials, which are simulated, where the data come from elsewhere."""
+    for task, key in TASKS.items():
+        for source in ("features", "logs", "data"):
+            if own.get(task, {}).get(key) and source in own:
+                yield f"{where}.{task}.{key}: with {source}, whose own trials test, only 0 has an effect (no test)"
 
 
 def _conditions_not_run(where: str, own: Mapping[str, Any], config: Mapping[str, Any]) -> Iterator[str]:
@@ -94,6 +103,12 @@ def grid_problems(study: Study, name: str) -> Iterator[str]:
     for i, D in enumerate(study.experiments[name].settings["D"]):
         if not any(condition.D == D for condition in run):
             yield f"{where}.D[{i}]: {D} is run for no variant (see {where}.variants)"
+    hears = any(condition.method != "gmm" for condition in run)
+    for task, key in TASKS.items():
+        if hears and study.is_tested(name, task) and not study.task_conditions(name, task):
+            asked = study.experiments[name].settings[task]
+            grid = " and ".join(f"{axis} {', '.join(map(str, asked[axis]))}" for axis in ("D", "ROW"))
+            yield f"{where}.{task}: no fit is run with {grid} (see {where}.variants; {key}: 0 leaves the task out)"
     if study.figure_condition(name) is None:
         asked = ", ".join(f"{key} {value}" for key, value in study.experiments[name].settings["figure"].items())
         allowed = dict.fromkeys(f"{c.variant} {c.method} D {c.D} ROW {c.ROW}" for c in run)

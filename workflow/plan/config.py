@@ -134,7 +134,7 @@ def schema_problems(config: Mapping[str, Any]) -> list[str]:
 def default(key: str, of: str = "experiment") -> Any:
     """The schema's default of a key of an experiment, None where it has none."""
     entry = _schemas()["config.schema.json"]["$defs"][of]["properties"][key]
-    while "$ref" in entry and entry["$ref"].startswith("#/$defs/"):
+    while "default" not in entry and entry.get("$ref", "").startswith("#/$defs/"):
         entry = _schemas()["config.schema.json"]["$defs"][entry["$ref"].removeprefix("#/$defs/")]
     return entry.get("default")
 

@@ -55,15 +55,14 @@ class Experiment:
 
     def priors(self, variant: str) -> dict[str, dict[str, Any]]:
         """The hyperparameters of a variant as arguments of `model.Prior`, by channel."""
-        changes = {"K": self.settings["K"], **self.settings["variants"][variant]}
-        return {
-            channel: {
-                HYPERPARAMETERS[key]: value[channel] if isinstance(value, Mapping) else value
-                for key, value in changes.items()
-                if key in HYPERPARAMETERS and (not isinstance(value, Mapping) or channel in value)
-            }
-            for channel in CHANNELS
-        }
+        priors: dict[str, dict[str, Any]] = {channel: {} for channel in CHANNELS}
+        for changes in ({"K": self.settings["K"]}, self.settings["variants"][variant]):
+            for key, value in changes.items():
+                if key in HYPERPARAMETERS:
+                    by_channel = value if isinstance(value, Mapping) else dict.fromkeys(CHANNELS, value)
+                    for channel, number in by_channel.items():
+                        priors[channel][HYPERPARAMETERS[key]] = number
+        return priors
 
     @property
     def partial_variants(self) -> list[str]:
@@ -142,13 +141,18 @@ class Study:
     def task_conditions(self, experiment: str, task: str) -> list[Condition]:
         """The fits that a task (`generation`, `description`) tests; none where there is nothing to test them on."""
         asked = self.experiments[experiment].settings[task]
-        if not self.trials(self.experiments[experiment].data, task):
+        if not self.is_tested(experiment, task):
             return []
         return [
             condition
             for condition in self.conditions(experiment)
             if condition.method != "gmm" and condition.D in asked["D"] and condition.ROW in asked["ROW"]
         ]
+
+    def is_tested(self, experiment: str, task: str) -> bool:
+        """Whether a task is asked for, and there are trials to test it on."""
+        own = self.experiments[experiment]
+        return own.settings[task][TASKS[task]] > 0 and len(self.trials(own.data, task)) > 0
 
     def tested_D(self, experiment: str, task: str) -> list[int]:  # noqa: N802 (D is the paper's)
         """The numbers of trials of the fits that a task tests, in rising order."""

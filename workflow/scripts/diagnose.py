@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from evaluation.diagnostics import diagnose_condition, write_page
+from evaluation.pages.diagnostics import diagnose_condition, write_page
 from model import load
 from workflow.execution.job import job
 
