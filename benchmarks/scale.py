@@ -26,6 +26,7 @@ CORES = (2, 100, 1000)
 NUMBERS = ("D", "trials")  # the keys that say how many trials there are
 RUN = "workflow"  # the stage of the run itself, which one process does
 MORE_JOBS = ("collect", "perceive", "fit", "generate")  # a larger study has more of these; of all others longer ones
+SAME_TIME = ("figures", "ratings", "calibrate", "report")  # what they show does not grow with trials and seeds
 SAME_ROOM = ("figures", "report.html", "claims.html", "claims.csv", "claims_comparisons.csv")
 _PAGE = """# What a study needs
 
@@ -33,7 +34,8 @@ Written by `python -m benchmarks.scale needs`. {processor}; seconds are processo
 one process held, libraries that it shares with others included.{elapsed}
 
 “× {times:,}” is a study that simulates, looks at, fits and carries out so many times as much: so many times the jobs
-of {more}. What sums them up are as many jobs as before, each in proportion longer.
+of {more}. What sums them up are as many jobs as before, each in proportion longer; {same} show
+a few conditions or fits whatever their number, and stay as they are.
 
 ## Time
 
@@ -86,13 +88,14 @@ def needs(stages: pd.DataFrame, sizes: Mapping[str, int], times: int) -> str:
     for row in stages.to_dict("records"):
         stage, jobs, seconds = row["stage"], row["jobs"], row["processor"]
         more = times * jobs if stage in MORE_JOBS else jobs
+        longer = 1 if stage in SAME_TIME else times
         memory = row.get("memory", math.nan)
         known = "–" if math.isnan(memory) else f"{memory:,.0f}"
         row_now = [stage, f"{jobs:,}", f"{seconds / jobs:.3g}", known, _hours(seconds)]
-        rows.append([*row_now, f"{more:,}", _hours(times * seconds)])
-        for n, number in {1: jobs, times: more}.items():
-            shared[n] += 0.0 if stage == RUN else n * seconds
-            alone[n] = max(alone[n], n * seconds / (1 if stage == RUN else number))
+        rows.append([*row_now, f"{more:,}", _hours(longer * seconds)])
+        for n, (number, took) in {1: (jobs, seconds), times: (more, longer * seconds)}.items():
+            shared[n] += 0.0 if stage == RUN else took
+            alone[n] = max(alone[n], took / (1 if stage == RUN else number))
     wall = [[f"{cores:,}", *(_hours(max(shared[n] / cores, alone[n])) for n in (1, times))] for cores in CORES]
     after = {name: size if name in SAME_ROOM else times * size for name, size in sizes.items()}
     largest = sorted(sizes, key=lambda name: -sizes[name])
@@ -106,6 +109,7 @@ def needs(stages: pd.DataFrame, sizes: Mapping[str, int], times: int) -> str:
         processor=processor(),
         times=times,
         more=", ".join(MORE_JOBS),
+        same=", ".join(SAME_TIME),
         elapsed=f" From its start to its end this study took {_hours(elapsed)} hours." if elapsed else "",
         run=RUN,
         time=markdown(head, rows),

@@ -60,14 +60,20 @@ def cells(page: str, first: str) -> list[str]:
 
 def test_what_is_shared_by_cores_and_what_is_not() -> None:
     stages = pd.DataFrame(
-        [("fit", 100, 720.0, 300.0), ("tables", 2, 90.0, 200.0), ("workflow", 1, 36.0, 400.0)],
+        [
+            ("fit", 100, 720.0, 300.0),
+            ("tables", 2, 90.0, 200.0),
+            ("workflow", 1, 36.0, 400.0),
+            ("report", 1, 0.036, 100.0),
+        ],
         columns=["stage", "jobs", "processor", "memory"],
     )
     page = needs(stages, {"fits": 2**30, "figures": 2**29}, 1000)
     assert cells(page, "fit") == ["fit", "100", "7.2", "300", "0.2", "100,000", "200"]
     assert cells(page, "tables") == ["tables", "2", "45", "200", "0.025", "2", "25"]
+    assert cells(page, "report") == ["report", "1", "0.036", "100", "1e-05", "1", "1e-05"]
     assert cells(page, "workflow") == ["workflow", "1", "36", "400", "0.01", "1", "10"]
-    assert cells(page, "2") == ["2", "0.113", "112"]  # (720 + 90) / 2 seconds
+    assert cells(page, "2") == ["2", "0.113", "113"]  # (720 + 90) / 2 seconds, and the report
     assert cells(page, "100") == ["100", "0.0125", "12.5"]  # a table takes more than 810 / 100 seconds
     assert cells(page, "figures") == ["figures", "0.5", "0.5"]
     assert cells(page, "all") == ["all", "1.5", "1,000"]
