@@ -153,6 +153,16 @@ def test_broken_key_is_named(path: tuple[str | int, ...], broken: dict[str, Any]
             "experiments.own.trials",
             "no effect with features",
         ),
+        (
+            {"logs": "nowhere", "description": {"actions": 3}},
+            "experiments.own.description.actions",
+            "only 0 has an effect",
+        ),
+        (
+            {"ROW": [0, 40], "variants": {"few": {"only": {"ROW": [40]}}}},
+            "experiments.own.generation",
+            "no fit is run with D 6 and ROW 0 (see experiments.own.variants; sentences: 0 leaves the task out)",
+        ),
         ({"features": {"trials": "a", "objects": "b"}}, "experiments.own.features.trials", "is not a file"),
         ({"logs": "nowhere"}, "experiments.own.logs", "calibration.mcap is not a file"),
         ({"words": WORDS | {"position": ["front", "behind"]}}, "experiments.own.simulation", "behind"),
