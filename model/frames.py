@@ -30,6 +30,11 @@ class Method:
     rule: Rule
 
     @property
+    def hears_words(self) -> bool:
+        """Whether the words are heard at all."""
+        return self.label != "ALL"
+
+    @property
     def has_frames(self) -> bool:
         """Whether the words have an estimated channel, and so an EAR."""
         return self.rule != "every"

@@ -7,7 +7,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from data_collection.schema import json_schema
-from data_collection.settings import Simulation
+from data_collection.simulation_settings import Simulation
 
 SCHEMA = Path(__file__).parents[2] / "workflow/schemas/simulation.schema.json"
 WORDS = {
@@ -44,7 +44,7 @@ def _leaves(
 
 def _full() -> dict[str, Any]:
     """Return a section with every key set."""
-    section: dict[str, Any] = json.loads(Simulation.from_mapping(OWN).to_json())
+    section: dict[str, Any] = json.loads(Simulation.model_validate(OWN).to_json())
     return section
 
 
@@ -80,7 +80,7 @@ def _broken() -> list[tuple[str, dict[str, Any], str]]:
 @pytest.mark.parametrize(("section", "key"), [pytest.param(*case[1:], id=case[0]) for case in _broken()])
 def test_every_key_is_checked(section: dict[str, Any], key: str) -> None:
     with pytest.raises(ValueError, match=key):
-        Simulation.from_mapping(section)
+        Simulation.model_validate(section)
 
 
 @pytest.mark.parametrize("path", [(), ("camera",), ("objects", 0), ("table",), ("motion",)])
@@ -91,13 +91,13 @@ def test_unknown_keys_are_named(path: tuple[str | int, ...]) -> None:
         target = target[step]
     target["lense"] = 1
     with pytest.raises(ValueError, match="lense"):
-        Simulation.from_mapping(section)
+        Simulation.model_validate(section)
 
 
 def test_all_mismatches_at_once() -> None:
     section = {"camera": {"noise": -1, "lense": 2}, "objects": [{"object": "a b"}], "places": {"front": [1]}}
     with pytest.raises(ValueError, match="simulation") as caught:
-        Simulation.from_mapping(section)
+        Simulation.model_validate(section)
     text = str(caught.value)
     expected = [
         "simulation.camera.noise",
@@ -126,11 +126,11 @@ def test_all_mismatches_at_once() -> None:
 )
 def test_what_does_not_fit_together(change: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        Simulation.from_mapping(change)
+        Simulation.model_validate(change)
 
 
 def test_own_words_are_config_only() -> None:
-    simulation = Simulation.from_mapping(OWN)
+    simulation = Simulation.model_validate(OWN)
     assert simulation.objects[0].style == 2
     assert simulation.camera.noise == 3.0
     assert isinstance(simulation.camera.noise, float)
@@ -157,7 +157,7 @@ def test_words_that_disagree(channel: str) -> None:
 
 
 def test_word_in_two_channels() -> None:
-    simulation = Simulation.from_mapping({"actions": {"reach": "left"}})
+    simulation = Simulation.model_validate({"actions": {"reach": "left"}})
     words = {**WORDS, "action": ["left", "touch", "grasp", "look-at"]}
     assert any("'left'" in text for text in simulation.check_words(words))
 
@@ -165,14 +165,14 @@ def test_word_in_two_channels() -> None:
 def test_order_of_keys_is_nothing() -> None:
     places = {"front": [0.21, 0.0], "left": [0.285, 0.16], "far": [0.36, 0.0], "right": [0.285, -0.16]}
     backwards = dict(reversed(places.items()))
-    one, other = (Simulation.from_mapping({"places": each}) for each in (places, backwards))
+    one, other = (Simulation.model_validate({"places": each}) for each in (places, backwards))
     assert list(one.places) == list(other.places)
     assert one.to_json() == other.to_json()
 
 
 def test_settings_survive_their_json() -> None:
-    simulation = Simulation.from_mapping(OWN)
-    assert Simulation.from_mapping(json.loads(simulation.to_json())) == simulation
+    simulation = Simulation.model_validate(OWN)
+    assert Simulation.model_validate(json.loads(simulation.to_json())) == simulation
 
 
 def test_schema_file_is_made_from_the_dataclasses() -> None:

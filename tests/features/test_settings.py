@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from features.settings import FeatureSettings, schema
+from features.extraction_settings import FeatureSettings, schema
 
 SCHEMA = Path(__file__).parents[2] / "workflow" / "schemas" / "feature_extraction.schema.json"
 
@@ -29,8 +29,8 @@ def defaults(part: dict[str, Any]) -> dict[str, Any]:
 
 def test_defaults_of_schema_and_settings_agree() -> None:
     assert defaults(schema()) == asdict(FeatureSettings())
-    assert FeatureSettings.from_mapping({}) == FeatureSettings.from_mapping(None) == FeatureSettings()
-    assert FeatureSettings.from_mapping(defaults(schema())) == FeatureSettings()
+    assert FeatureSettings.model_validate({}) == FeatureSettings.model_validate(None) == FeatureSettings()
+    assert FeatureSettings.model_validate(defaults(schema())) == FeatureSettings()
 
 
 def test_every_setting_is_closed_and_described() -> None:
@@ -68,26 +68,26 @@ BAD = [pytest.param(key, value, id=f"{key}={value!r}") for key, entry in setting
 @pytest.mark.parametrize(("key", "value"), BAD)
 def test_bad_values_are_refused_by_name(key: str, value: Any) -> None:
     with pytest.raises(ValueError, match=f"feature_extraction.{key}"):
-        FeatureSettings.from_mapping(mapping(key, value))
+        FeatureSettings.model_validate(mapping(key, value))
 
 
 @pytest.mark.parametrize("key", ["componants", "detection.bluur"])
 def test_unknown_keys_are_refused_with_the_known_ones(key: str) -> None:
     with pytest.raises(ValueError, match=r"unexpected.*allowed: .*(components|blur)"):
-        FeatureSettings.from_mapping(mapping(key, 1))
+        FeatureSettings.model_validate(mapping(key, 1))
 
 
 def test_all_problems_at_once() -> None:
     with pytest.raises(ValueError, match="components") as error:
-        FeatureSettings.from_mapping({"components": 0, "scale": "big", "detection": {"blur": -1}})
+        FeatureSettings.model_validate({"components": 0, "scale": "big", "detection": {"blur": -1}})
     assert len(str(error.value).splitlines()) == 3
 
 
 def test_fewest_objects_is_not_above_most() -> None:
     with pytest.raises(ValueError, match="fewest_objects: above"):
-        FeatureSettings.from_mapping({"detection": {"fewest_objects": 5}})
+        FeatureSettings.model_validate({"detection": {"fewest_objects": 5}})
 
 
 def test_canonical_text_tells_settings_apart() -> None:
-    assert FeatureSettings().canonical() == FeatureSettings.from_mapping({"components": 30}).canonical()
-    assert FeatureSettings().canonical() != FeatureSettings.from_mapping({"components": 31}).canonical()
+    assert FeatureSettings().canonical() == FeatureSettings.model_validate({"components": 30}).canonical()
+    assert FeatureSettings().canonical() != FeatureSettings.model_validate({"components": 31}).canonical()

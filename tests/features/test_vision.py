@@ -12,7 +12,7 @@ import pytest
 from features.detection import CROP_SIZE, Found, crop, detect, without_rim
 from features.homography import CalibrationError, find_marks, fit_camera, to_pixels, to_table
 from features.position import standing_position
-from features.settings import Detection
+from features.extraction_settings import Detection
 
 NO_DISTORTION = np.zeros(0)
 SETTINGS = Detection()

@@ -25,7 +25,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "data_collection.log",
         "data_collection.joints",
         "data_collection.apparatus",
-        "data_collection.settings",
+        "data_collection.simulation_settings",
         "data_collection.shapes",
         "data_collection.task",
     ),

@@ -1,14 +1,16 @@
 """Fit one method to one condition."""
 
 from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter
 
 from data_collection.seeding import generator
 from features.table import read_table
 from model import Prior, Settings, Trials, fit, save
+from model.samplers import AnySampler
 from model.omission import kept_words
 from workflow.execution.job import job
-
-BOXES = {"position": (-0.5, 0.5)}
 
 with job(snakemake):
     names, params = snakemake.wildcards, snakemake.params
@@ -16,25 +18,26 @@ with job(snakemake):
     trials = Trials.from_arrays(**table.learning_input())
     # The same words are omitted for all methods, so that methods are compared in pairs.
     omission = generator(params.seed, "omission", params.data, int(names.D), int(names.seed))
-    inference = names.inference.partition("_")[0]
-    condition = [names[key] for key in ("experiment", "variant", "method", "inference", "D", "ROW", "seed")]
+    sampler: Any = TypeAdapter(AnySampler).validate_python(params.sampler)
+    stream = [names.experiment, names.variant, names.method, sampler.stream, names.D, names.ROW, names.seed]
+    old = {"mean_precision": "mean_strength", "extra_degrees_of_freedom": "extra_freedom"}
     result = fit(
         trials.keep_words(kept_words(omission, len(trials.word_trial), int(names.ROW))),
         names.method,
-        generator(params.seed, "fit", *condition),
+        generator(params.seed, "fit", *stream),
         priors=[
-            Prior(**params.priors[channel.name], box=BOXES.get(channel.name, (0.0, 1.0)))
+            Prior(**{old.get(key, key): value for key, value in params.priors[channel.name].items()})
             for channel in trials.channels
         ],
-        iterations=params.iterations,
-        chains=params.chains,
-        inference=inference,
-        keep_history=min(params.keep_history, params.iterations),
+        iterations=sampler.iterations,
+        chains=sampler.chains,
+        inference=sampler.kind,
+        keep_history=min(sampler.keep_history, sampler.iterations),
         # The one sampler has deviations from the paper to choose, the other annealing.
         **(
-            {"settings": Settings(**params.sampler)}
-            if inference == "blocked"
-            else {"temperature": params.temperature}
+            {"settings": Settings(sampler.averaged_draws, sampler.empty_category)}
+            if sampler.kind == "blocked"
+            else {"temperature": sampler.temperature}
         ),
     )
     save(result, Path(snakemake.output[0]))
