@@ -6,16 +6,19 @@ ahead, y left), angles in degrees where named so, forces in newtons, times in se
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from data_collection.apparatus import Camera, Hand, Light, Motion, Noise, ObjectKind, Table, Tutor
 from data_collection.strict_model import LISTED, Color, Point, StrictModel, Word
 
-Action = Literal["grasp", "look-at", "reach", "touch"]
 ACTIONS = ("reach", "touch", "grasp", "look-at")
 """The physical outcomes that the tutor tells apart."""
+if TYPE_CHECKING:
+    Action: TypeAlias = str
+else:
+    Action = Literal[ACTIONS]
 ACTION, POSITION, OBJECT, COLOR = "action", "position", "object", "color"
 
 _DEFAULT_SIZES = {"box": 0.044, "cup": 0.052, "ball": 0.054}

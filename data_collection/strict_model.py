@@ -11,7 +11,7 @@ from data_collection.limits import PATH_PATTERN, WORD_PATTERN, WORD_RULE
 class StrictModel(BaseModel):
     """Settings: no unknown keys, no text for a number, no 2.0 for a whole number, no NaN; lists become tuples.
 
-    A validator of a whole model raises a `ValueError` with one line per problem, each beginning with the key (`key: `).
+    A validator of a whole model raises a `ValueError` with one line per problem: the key, a colon, what is wrong.
     """
 
     model_config = ConfigDict(

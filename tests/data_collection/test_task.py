@@ -8,8 +8,8 @@ import pytest
 from data_collection import task
 from data_collection.episode import _instruction
 from data_collection.seeding import generator
-from data_collection.simulation_settings import ACTIONS, Simulation
 from data_collection.shapes import build
+from data_collection.simulation_settings import ACTIONS, Simulation
 from data_collection.task import Outcome, Placed
 
 NOTHING = Outcome(0.3, False, 0.0, 0.5, False, 0.0, 0.001, ())

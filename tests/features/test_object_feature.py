@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from features import object_feature
-from features.object_feature import WeightsError, fc6, network_input, weights_provenance
 from features.extraction_settings import FeatureSettings
+from features.object_feature import WeightsError, fc6, network_input, weights_provenance
 
 SEEDED = FeatureSettings()
 

@@ -13,9 +13,9 @@ import pytest
 from data_collection.log import channels, codec
 from data_collection.log.mcap_log import Log, LogError, read_log, write_log
 from features.arrays import ArtifactError
+from features.extraction_settings import FeatureSettings
 from features.percept_data import Percepts, first, join, load_percepts, save_percepts
 from features.percepts import DetectionError, perceive
-from features.extraction_settings import FeatureSettings
 from features.transforms import relative_hand
 
 if TYPE_CHECKING:

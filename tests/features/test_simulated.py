@@ -16,9 +16,9 @@ from sklearn.neighbors import KNeighborsClassifier, NearestCentroid
 
 from data_collection.log.mcap_log import read_log
 from data_collection.log.trial import Truth, truth
+from features.extraction_settings import FeatureSettings
 from features.percept_data import Percepts
 from features.percepts import perceive
-from features.extraction_settings import FeatureSettings
 from features.table import FeatureTable
 from features.transforms import apply, fit_transforms
 from tests.conftest import Simulated

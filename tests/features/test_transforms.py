@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from features.arrays import ArtifactError
+from features.extraction_settings import FeatureSettings
 from features.overview import overview
 from features.percept_data import Percepts, first
 from features.percepts import perceive
-from features.extraction_settings import FeatureSettings
 from features.table import read_metadata, read_table, write_table
 from features.transforms import (
     apply,

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from workflow.plan.config_types import CHANNELS, WORDLESS
 from workflow.plan.messages import key_path
 from workflow.plan.study import TASKS, Experiment, Study, feature_files, log_folder_trials
-from workflow.plan.study_config import CHANNELS, WORDLESS, ExperimentConfig, StudyConfig, completed
+from workflow.plan.study_config import ExperimentConfig, StudyConfig, completed
 
 # Keys that say nothing where the data come from elsewhere.
 USELESS_WITH = {

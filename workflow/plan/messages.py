@@ -28,8 +28,6 @@ LIMITS = {
     "too_long": "has more than {max_length} entries",
     "string_too_short": "needs at least {min_length} character",
     "string_too_long": "has more than {max_length} characters",
-    "string_pattern_mismatch": "is not allowed",
-    "string_unicode": "is not allowed",
     "literal_error": "is unknown",
 }
 
@@ -98,18 +96,27 @@ def _explain(
         if kind == "union_tag_not_found":
             yield f"{where}: key {name!r} is missing (allowed: {', '.join(kinds)})"
         else:
-            yield f"{where}.{name}: {short(value[name])} is unknown{_hint(value[name], kinds)} (allowed: {', '.join(kinds)})"
+            told = f"{short(value[name])} is unknown{_hint(value[name], kinds)}"
+            yield f"{where}.{name}: {told} (allowed: {', '.join(kinds)})"
     elif kind == "twice":
         yield f"{where}: {short(context['value'])} stands twice{_note(schema, meaning)}"
+    elif kind in ("string_pattern_mismatch", "string_unicode"):
+        yield f"{where}: {short(value)} is not allowed ({schema.get('of_kind', 'visible characters')})"
     elif kind in LIMITS:
         hint = _hint(value, choices(schema)) if kind == "literal_error" else ""
         yield f"{where}: {short(value)} {LIMITS[kind].format(**context)}{hint}{_note(schema, meaning)}"
     else:
-        yield f"{where}: {short(value)} must be {KINDS.get(schema.get('type', 'object'), 'text')}{_note(schema, meaning)}"
+        expected = KINDS[schema.get("type", "string" if choices(schema) else "object")]
+        yield f"{where}: {short(value)} must be {expected}{_note(schema, meaning)}"
 
 
 def _place(loc: Sequence[str | int], config: Any) -> tuple[list[str | int], Schema, str]:
-    """Where an error is: its path in the config (without pydantic's marks of unions), its schema, what its key means."""
+    """Where an error is: its path in the config, its schema, and what its key means.
+
+    Args:
+        loc: where pydantic says that it is, with marks of unions.
+        config: the config as plain data.
+    """
     schema, value = resolved(config_schema()), config
     path: list[str | int] = []
     meaning = ""

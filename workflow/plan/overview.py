@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from pathlib import PurePath
 from typing import Any
 
+from workflow.plan.config_types import CHANNELS
 from workflow.plan.study import Experiment
-from workflow.plan.study_config import CHANNELS, HYPERPARAMETERS
+from workflow.plan.variants import HYPERPARAMETERS
 
 SOURCES = {"simulation": "simulated trials", "logs": "a robot's logs", "features": "feature tables"}
 

@@ -43,11 +43,12 @@ def _plain(schema: Any, names: bool = False) -> Any:
 
 
 def resolved(schema: Schema) -> Schema:
-    """A schema whose reference is followed; what stands beside a reference wins."""
+    """A schema whose reference is followed; what stands beside a reference wins, `of_kind` says what is behind it."""
     if "$ref" not in schema:
         return schema
-    behind = config_schema()["$defs"][schema["$ref"].removeprefix("#/$defs/")]
-    return {**resolved(behind), **{key: value for key, value in schema.items() if key != "$ref"}}
+    behind = resolved(config_schema()["$defs"][schema["$ref"].removeprefix("#/$defs/")])
+    own = {key: value for key, value in schema.items() if key != "$ref"}
+    return {**behind, "of_kind": behind.get("description", ""), **own}
 
 
 def inner(schema: Schema, key: str | int) -> Schema:

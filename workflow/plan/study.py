@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from model.prior_standin import Prior
-from workflow.plan.study_config import HYPERPARAMETERS, WORDLESS, Channel, ExperimentConfig, Task, hyperparameters
+from workflow.plan.config_types import WORDLESS, Channel
+from workflow.plan.study_config import ExperimentConfig, Task
+from workflow.plan.variants import HYPERPARAMETERS, hyperparameters
 
 # The tasks that use what was learned, and the key that says how many trials test it.
 TASKS = {"generation": "sentences", "description": "actions"}

@@ -2,68 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar, get_args
+from typing import Annotated, Any, TypeAlias
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, create_model
-from pydantic_core import PydanticCustomError
-from typing_extensions import TypeAliasType
+from pydantic import Field
 
-from data_collection.limits import NAME_PATTERN, NAME_RULE
 from data_collection.simulation_settings import Simulation
-from data_collection.strict_model import LISTED, FilePath, StrictModel, Word
+from data_collection.strict_model import FilePath, StrictModel, Word
 from features.extraction_settings import FeatureSettings
-from model.frames import METHODS
-from model.prior_standin import Prior
 from model.samplers import AnySampler, Blocked
+from workflow.plan.config_types import Maybe, MethodName, Name, Percent, Several, TrialCount
+from workflow.plan.variants import Categories, Variant
 
-Channel = Literal["action", "position", "object", "color"]
-CHANNELS: tuple[Channel, ...] = get_args(Channel)
-HYPERPARAMETERS = {
-    "K": "categories",
-    "alpha": "concentration",
-    "gamma": "word_concentration",
-    "mean_precision": "mean_precision",
-    "scale": "scale",
-    "extra_degrees_of_freedom": "extra_degrees_of_freedom",
-}
-"""A hyperparameter of the config, and what `model.Prior` calls it."""
-WORDLESS = tuple(name for name, method in METHODS.items() if not method.hears_words)
-"""The methods that hear no words (ALL): they run by themselves, once for all ROW."""
-
-_T = TypeVar("_T")
-
-
-def _each_once(values: tuple[_T, ...]) -> tuple[_T, ...]:
-    for i, value in enumerate(values):
-        if value in values[:i]:
-            raise PydanticCustomError("twice", "twice", {"value": value})
-    return values
-
-
-def _given(value: object) -> object:
-    """A key may be left out, but not be null."""
-    if value is None:
-        raise PydanticCustomError("null", "null")
-    return value
-
-
-Several: TypeAlias = Annotated[
-    tuple[_T, ...], Field(min_length=1, json_schema_extra={"uniqueItems": True}), LISTED, AfterValidator(_each_once)
-]
-Maybe: TypeAlias = Annotated[_T | None, BeforeValidator(_given)]
-PerChannel: TypeAlias = Annotated[
-    Annotated[_T, Tag("one")] | Annotated[dict[Channel, _T], Tag("each")],
-    Discriminator(lambda value: "each" if isinstance(value, dict) else "one"),
-]
-Name = TypeAliasType("Name", Annotated[str, Field(pattern=NAME_PATTERN, description=NAME_RULE)])
-TrialCount: TypeAlias = Annotated[int, Field(ge=1, le=1_000_000)]
-Percent: TypeAlias = Annotated[int, Field(ge=0, le=100)]
 Vocabulary: TypeAlias = Annotated[Several[Word], Field(max_length=1000, description="the words of one channel")]
-if TYPE_CHECKING:
-    MethodName: TypeAlias = str
-else:
-    MethodName = TypeAliasType("MethodName", Literal[tuple(METHODS)])
 
 
 class Words(StrictModel):
@@ -73,43 +23,6 @@ class Words(StrictModel):
     position: Vocabulary
     object: Vocabulary
     color: Vocabulary
-
-
-class Only(StrictModel):
-    """The conditions that a variant is run for; whatever is not named here is run for all."""
-
-    methods: Several[MethodName] = Field(
-        (), description="some of the experiment's methods, and gmm, which has no ROW; without gmm, ALL is left out"
-    )
-    samplers: Several[Name] = Field((), description="some of the experiment's samplers")
-    D: Several[TrialCount] = Field((), description="some of the experiment's D")
-    ROW: Several[Percent] = Field((), description="some of the experiment's ROW")
-
-
-class _Variant(StrictModel):
-    """Changes of hyperparameters against the paper's, each a number, or one for each channel; and where it is run."""
-
-    only: Only = Field(Only(), description="the conditions that it is run for")
-
-
-if TYPE_CHECKING:
-    Variant = _Variant
-    Categories: TypeAlias = int | dict[Channel, int]
-else:
-
-    def _hyperparameter(key):
-        """The type of a hyperparameter of the config, and its field: what `model.Prior` says of it."""
-        field = Prior.model_fields[HYPERPARAMETERS[key]]
-        number = Annotated[(field.annotation, *field.metadata)]
-        return PerChannel[number], Field(field.default, description=field.description)
-
-    Variant = create_model(
-        "Variant",
-        __base__=_Variant,
-        __doc__=_Variant.__doc__,
-        **{key: _hyperparameter(key) for key in HYPERPARAMETERS},
-    )
-    Categories = _hyperparameter("K")[0]
 
 
 class Generation(StrictModel):
@@ -255,23 +168,3 @@ def completed(config: StudyConfig, name: str) -> ExperimentConfig:
         }
     )
     return settings
-
-
-def hyperparameters(changes: Iterable[tuple[str, Any]]) -> dict[Channel, Prior]:
-    """The hyperparameters of each channel after changes by the config's keys, of which later ones win.
-
-    Args:
-        changes: a key of `HYPERPARAMETERS`, and a number, or one per channel that changes.
-    """
-    priors: dict[Channel, dict[str, Any]] = {
-        channel: {"box": BOXES[channel]} if channel in BOXES else {} for channel in CHANNELS
-    }
-    for key, value in changes:
-        by_channel = value if isinstance(value, dict) else dict.fromkeys(CHANNELS, value)
-        for channel, number in by_channel.items():
-            priors[channel][HYPERPARAMETERS[key]] = number
-    return {channel: Prior(**given) for channel, given in priors.items()}
-
-
-BOXES: dict[Channel, tuple[float, float]] = {"position": (-0.5, 0.5)}
-"""Where features do not lie in [0, 1]: the interval of each number of a channel."""

@@ -12,7 +12,7 @@ from workflow.plan.config import ConfigError, copied_from
 from workflow.artifacts.provenance import lock_hash, rule_code
 from workflow.plan.loading import plan
 from workflow.plan.study import FIT_PATH, TASKS, feature_files
-from workflow.plan.study_config import WORDLESS
+from workflow.plan.config_types import WORDLESS
 
 SETS = ("train", "generation", "description")
 

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from features.percept_data import first, join, load_percepts
 from features.extraction_settings import FeatureSettings
+from features.percept_data import first, join, load_percepts
 from features.table import write_table
 from features.transforms import apply, fit_transforms, save_transforms, table_metadata
 from workflow.execution.job import job

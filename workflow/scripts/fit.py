@@ -8,8 +8,8 @@ from pydantic import TypeAdapter
 from data_collection.seeding import generator
 from features.table import read_table
 from model import Prior, Settings, Trials, fit, save
-from model.samplers import AnySampler
 from model.omission import kept_words
+from model.samplers import AnySampler
 from workflow.execution.job import job
 
 with job(snakemake):

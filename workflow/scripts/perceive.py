@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from data_collection.log.mcap_log import read_log
+from features.extraction_settings import FeatureSettings
 from features.percept_data import save_percepts
 from features.percepts import perceive
-from features.extraction_settings import FeatureSettings
 from workflow.execution.job import job
 
 with job(snakemake):

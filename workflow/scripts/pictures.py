@@ -5,8 +5,8 @@ from pathlib import Path
 import cv2
 
 from data_collection.log.mcap_log import read_log
-from data_collection.simulation_settings import Simulation
 from data_collection.show import contact_sheet, gallery, save_png
+from data_collection.simulation_settings import Simulation
 from evaluation.figures.drawing import coarse, picture, save_figure
 from workflow.execution.job import job
 
