@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from model import conditionals as given
+from model.kernels import conditionals as given
 from model.data import Trials
 from model.frames import Rule, refuse_long_sentences
 from model.joint import Priors, draw_frames_prior
-from model.start import k_means, stick_breaking
+from model.kernels.start import k_means, stick_breaking
 from model.state import Settings, State
 
 
@@ -30,7 +30,7 @@ def init(rng: np.random.Generator, trials: Trials, rule: Rule, priors: Priors, s
         factor.append(np.tile(np.sqrt(settings.start_scale) * np.eye(channel.dim), (K, 1, 1)))
         log_words.append(given.draw_words(rng, np.full((K, W), prior.word_concentration)))
     F = draw_frames_prior(rng, trials, rule)
-    return State(tuple(z), tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words), F)
+    return State(tuple(z), F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
 
 
 def step(
@@ -58,4 +58,4 @@ def step(
         explained = given.explained_words(rule, F, c, len(trials.word_trial))
         concentration = given.word_concentration(trials, c, prior, z[c], explained)
         log_words.append(given.draw_words(rng, concentration, settings.averaged_draws))
-    return State(tuple(z), tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words), F)
+    return State(tuple(z), F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from model.collapsed_assignments import element_log_weights, sweep_assignments
-from model.collapsed_frames import part_log_weights, sweep_frames
-from model.conditionals import explained_words, word_concentration, word_counts
+from model.kernels.collapsed_assignments import element_log_weights, sweep_assignments
+from model.kernels.collapsed_frames import part_log_weights, sweep_frames
+from model.kernels.conditionals import explained_words, word_concentration, word_counts
 from model.data import Flags, Floats, Ints, Trials
 from model.frames import FrameList, Rule, frame_list, refuse_long_sentences
-from model.gaussians import gaussian_posterior
+from model.distributions.gaussians import gaussian_posterior
 from model.joint import Priors, draw_frames_prior
 from model.prior import Prior
-from model.start import k_means
+from model.kernels.start import k_means
 from model.state import Partition, State
 
 # Sentences of a method whose frames factorise are drawn in parts of so many words.
@@ -74,8 +74,8 @@ def _elements(
     """Data and hyperparameters of channel c, in the order in which `sweep_assignments` takes them."""
     channel, weight = trials.channels[c], prior.concentration / prior.categories
     words, (order, bounds) = trials.words[c], trials.words_by_element[c]
-    law = prior.gaussian(channel.dim)
-    return channel.features, words, order, bounds, explained, weight, prior.word_concentration, *law
+    posterior = prior.gaussian(channel.dim)
+    return channel.features, words, order, bounds, explained, weight, prior.word_concentration, *posterior
 
 
 # F
@@ -135,15 +135,15 @@ def posterior_means(trials: Trials, rule: Rule, priors: Priors, state: Partition
     """
     log_weights, mean, factor, log_words = [], [], [], []
     for c, (channel, prior) in enumerate(zip(trials.channels, priors, strict=True)):
-        law = gaussian_posterior(channel.features, state.z[c], prior.categories, *prior.gaussian(channel.dim))
-        excess = law.freedom - channel.dim - 1.0
-        divisor = np.where(excess > 0.0, excess, law.freedom + channel.dim + 1.0)
+        posterior = gaussian_posterior(channel.features, state.z[c], prior.categories, *prior.gaussian(channel.dim))
+        excess = posterior.degrees_of_freedom - channel.dim - 1.0
+        divisor = np.where(excess > 0.0, excess, posterior.degrees_of_freedom + channel.dim + 1.0)
         explained = explained_words(rule, state.F, c, len(trials.word_trial))
-        log_weights.append(_log_means(law.counts + prior.concentration / prior.categories))
-        mean.append(law.mean)
-        factor.append(np.ascontiguousarray(law.upper.transpose(0, 2, 1)) / np.sqrt(divisor)[:, None, None])
+        log_weights.append(_log_means(posterior.counts + prior.concentration / prior.categories))
+        mean.append(posterior.mean)
+        factor.append(np.ascontiguousarray(posterior.upper.transpose(0, 2, 1)) / np.sqrt(divisor)[:, None, None])
         log_words.append(_log_means(word_concentration(trials, c, prior, state.z[c], explained)))
-    return State(state.z, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words), state.F)
+    return State(state.z, state.F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
 
 
 def _log_means(concentration: Floats) -> Floats:

@@ -22,14 +22,14 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from model.data import Channel, Floats, Ints, Trials
-from model.linear_algebra import factorise
+from model.distributions.triangular import factorise
 from model.prior import Prior
 from model.state import Partition, State
 
@@ -119,7 +119,7 @@ def save(fit: Fit, path: Path) -> None:
             # Not by a library's matrix product, whose last digits hang on its version and threads.
             f"Sigma_{channel.name}": np.einsum("kij,klj->kil", state.factor[c], state.factor[c]),
             f"theta_{channel.name}": np.exp(state.log_words[c]),
-            f"prior_{channel.name}": np.array(json.dumps(asdict(fit.priors[c]), sort_keys=True)),
+            f"prior_{channel.name}": np.array(json.dumps(fit.priors[c].model_dump(mode="json"), sort_keys=True)),
         }
         if fit.history is not None:
             arrays[f"history_z_{channel.name}"] = fit.history.z[c]

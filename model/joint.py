@@ -8,17 +8,17 @@ from dataclasses import replace
 import numpy as np
 
 from model.compiled import compiled
-from model.conditionals import draw_words, explained_words, word_counts, word_log_weights
+from model.kernels.conditionals import draw_words, explained_words, word_counts, word_log_weights
 from model.data import Channel, Floats, Ints, Trials
-from model.distributions import (
+from model.distributions.dirichlet import (
     count_log_marginal,
     dirichlet_log_density,
     draw_categorical,
     draw_log_dirichlet,
 )
 from model.frames import Rule, count_frames, distinct_frames
-from model.gaussian_densities import gaussian_log_density, gaussian_log_marginal, giw_log_density
-from model.gaussians import draw_posterior_gaussians, gaussian_posterior
+from model.distributions.gaussian_densities import gaussian_log_density, gaussian_log_marginal, giw_log_density
+from model.distributions.gaussians import draw_posterior_gaussians, gaussian_posterior
 from model.prior import GaussianPrior, Prior
 from model.state import State
 
@@ -30,12 +30,12 @@ def log_joint(trials: Trials, rule: Rule, priors: Priors, state: State) -> float
     total = frames_log_prior(trials, rule)
     for c, (channel, prior) in enumerate(zip(trials.channels, priors, strict=True)):
         z, log_weights, K = state.z[c], state.log_weights[c], prior.categories
-        law = gaussian_posterior(channel.features[:0], z[:0], K, *prior.gaussian(channel.dim))
+        posterior = gaussian_posterior(channel.features[:0], z[:0], K, *prior.gaussian(channel.dim))
         emission = gaussian_log_density(channel.features, state.mean[c], state.factor[c])
         word_prior = np.full(state.log_words[c].shape, prior.word_concentration)
         total += dirichlet_log_density(log_weights[None, :], np.full((1, K), prior.concentration / K))
         total += float(np.sum(log_weights[z]) + np.sum(emission[np.arange(len(z)), z]))
-        total += float(np.sum(giw_log_density(law, state.mean[c], state.factor[c])))
+        total += float(np.sum(giw_log_density(posterior, state.mean[c], state.factor[c])))
         total += dirichlet_log_density(state.log_words[c], word_prior)
     per_word = word_log_weights(trials, state.z, state.log_words)
     explained = per_word if rule == "every" else per_word[np.arange(len(state.F)), state.F]
@@ -66,9 +66,9 @@ def _channel_log_marginal(
     nu0: float,
 ) -> float:
     """Log p(X, w, z) of a channel with word counts (K, W), `weight` being α/K."""
-    law = gaussian_posterior(features, z, len(words), m0, kappa0, scale, nu0)
-    categories = count_log_marginal(law.counts.reshape(1, -1), weight)
-    emissions = gaussian_log_marginal(GaussianPrior(m0, kappa0, scale, nu0), law)
+    posterior = gaussian_posterior(features, z, len(words), m0, kappa0, scale, nu0)
+    categories = count_log_marginal(posterior.counts.reshape(1, -1), weight)
+    emissions = gaussian_log_marginal(GaussianPrior(m0, kappa0, scale, nu0), posterior)
     return categories + emissions + count_log_marginal(words, gamma)
 
 
@@ -97,7 +97,7 @@ def draw_parameters(rng: np.random.Generator, design: Trials, rule: Rule, priors
         factor.append(drawn_factor)
         log_words.append(draw_words(rng, np.full((K, len(design.vocabulary)), prior.word_concentration)))
     F = draw_frames_prior(rng, design, rule)
-    return State(tuple(z), tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words), F)
+    return State(tuple(z), F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
 
 
 def draw_frames_prior(rng: np.random.Generator, design: Trials, rule: Rule) -> Ints:

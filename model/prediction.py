@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.data import Floats, Ints
-from model.distributions import log_sum
+from model.distributions.dirichlet import log_sum
 from model.fits import Fit
 from model.frames import METHODS
-from model.gaussian_densities import gaussian_log_density
+from model.distributions.gaussian_densities import gaussian_log_density
 
 LONGEST_INSTRUCTION = 12
 

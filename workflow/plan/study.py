@@ -26,9 +26,9 @@ HYPERPARAMETERS = {
     "K": "categories",
     "alpha": "concentration",
     "gamma": "word_concentration",
-    "kappa0": "mean_strength",
+    "kappa0": "mean_precision",
     "V0": "scale",
-    "nu0_minus_dim": "extra_freedom",
+    "nu0_minus_dim": "extra_degrees_of_freedom",
 }
 
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from model.compiled import compiled
 from model.data import Channel, Flags, Floats, Ints, Trials
-from model.distributions import dirichlet_log_density, draw_categorical, draw_index, draw_log_dirichlet, log_total
+from model.distributions.dirichlet import dirichlet_log_density, draw_categorical, draw_index, draw_log_dirichlet, log_total
 from model.frames import FrameList, Rule, frame_list
-from model.gaussian_densities import gaussian_log_density, giw_log_density
-from model.gaussians import draw_posterior_gaussians, gaussian_posterior
+from model.distributions.gaussian_densities import gaussian_log_density, giw_log_density
+from model.distributions.gaussians import draw_posterior_gaussians, gaussian_posterior
 from model.prior import Prior
 from model.state import Settings
 
@@ -78,8 +78,8 @@ def draw_categories(
     rng: np.random.Generator, prior: Prior, channel: Channel, z: Ints, settings: Settings
 ) -> tuple[Floats, Floats]:
     """Draw μ and the Cholesky factor of Σ of all K categories given z; an empty one comes from the prior."""
-    K, law = prior.categories, prior.gaussian(channel.dim)
-    mean, factor = draw_posterior_gaussians(rng, channel.features, z, K, settings.averaged_draws, *law)
+    K, posterior = prior.categories, prior.gaussian(channel.dim)
+    mean, factor = draw_posterior_gaussians(rng, channel.features, z, K, settings.averaged_draws, *posterior)
     if settings.empty_category == "uniform":
         empty = np.bincount(z, minlength=K) == 0
         mean[empty] = rng.uniform(*prior.box, size=(int(empty.sum()), mean.shape[1]))
@@ -88,8 +88,8 @@ def draw_categories(
 
 def categories_log_density(prior: Prior, channel: Channel, z: Ints, mean: Floats, factor: Floats) -> float:
     """Log density of all μ and Σ of a channel given z."""
-    law = gaussian_posterior(channel.features, z, prior.categories, *prior.gaussian(channel.dim))
-    return float(np.sum(giw_log_density(law, mean, factor)))
+    posterior = gaussian_posterior(channel.features, z, prior.categories, *prior.gaussian(channel.dim))
+    return float(np.sum(giw_log_density(posterior, mean, factor)))
 
 
 # F_d: equation (25)

@@ -13,9 +13,9 @@ import numpy as np
 
 from model.compiled import compiled
 from model.data import Flags, Floats, Ints
-from model.distributions import draw_index
-from model.gaussians import GaussianInverseWishart, fit_category, gaussian_posterior
-from model.predictive import add_point, change_count, remove_point, student_constant, student_log_density
+from model.distributions.dirichlet import draw_index
+from model.distributions.gaussians import GaussianInverseWishart, fit_category, gaussian_posterior
+from model.distributions.predictive import add_point, change_count, remove_point, student_constant, student_log_density
 from model.prior import GaussianPrior
 
 
@@ -47,14 +47,14 @@ class Statistics(NamedTuple):
     """What the categories of one channel know.
 
     Attributes:
-        law: posterior of the Gaussians.
+        posterior: posterior of the Gaussians.
         constant: (K,) log of the constant of each predictive Student distribution.
         words: (K, W) how often each category was the reason of each word.
         word_totals: (K,) sums of `words` over the vocabulary.
         empty: (N,) log density of each element under a category without elements.
     """
 
-    law: GaussianInverseWishart
+    posterior: GaussianInverseWishart
     constant: Floats
     words: Floats
     word_totals: Floats
@@ -97,11 +97,11 @@ def sweep_assignments(
 @compiled
 def sweep(rng: np.random.Generator, elements: Elements, statistics: Statistics, z: Ints, temperature: float) -> None:
     """Draw z, see `sweep_assignments`; z and the statistics change in place."""
-    law, dim = statistics.law, elements.features.shape[1]
+    posterior, dim = statistics.posterior, elements.features.shape[1]
     offset, mean, upper = np.empty(dim), np.empty(dim), np.empty((dim, dim))
     for i in range(len(z)):
         old, own_words = z[i], words_of_element(elements, i)
-        mean[:], upper[:], constant = law.mean[old], law.upper[old], statistics.constant[old]
+        mean[:], upper[:], constant = posterior.mean[old], posterior.upper[old], statistics.constant[old]
         z[i] = -1
         remove_element(elements, statistics, z, i, old)
         count_words(statistics, old, own_words, -1.0)
@@ -110,8 +110,8 @@ def sweep(rng: np.random.Generator, elements: Elements, statistics: Statistics, 
         z[i] = new
         count_words(statistics, new, own_words, 1.0)
         if new == old:  # Exactly as it was, and cheaper than an update.
-            law.mean[old], law.upper[old], statistics.constant[old] = mean, upper, constant
-            change_count(law, old, 1.0)
+            posterior.mean[old], posterior.upper[old], statistics.constant[old] = mean, upper, constant
+            change_count(posterior, old, 1.0)
         else:
             add_element(elements, statistics, i, new)
 
@@ -120,17 +120,17 @@ def sweep(rng: np.random.Generator, elements: Elements, statistics: Statistics, 
 def channel_statistics(elements: Elements, word_counts: Floats, z: Ints) -> Statistics:
     """What the categories know, computed from all elements (N,) and word counts (K, W)."""
     features, (m0, kappa0, scale, nu0) = elements.features, elements.gaussian
-    law = gaussian_posterior(features, z, len(word_counts), m0, kappa0, scale, nu0)
+    posterior = gaussian_posterior(features, z, len(word_counts), m0, kappa0, scale, nu0)
     # One empty category; numbers written as literals would compile the callees once more.
     nothing = gaussian_posterior(features[:0], z[:0], min(1, len(word_counts)), m0, kappa0, scale, nu0)
     only = len(nothing.mean) - 1
     constant, empty, offset = np.empty(len(word_counts)), np.empty(len(features)), np.empty(features.shape[1])
     for k in range(len(constant)):
-        constant[k] = student_constant(law, k)
+        constant[k] = student_constant(posterior, k)
     constant_of_nothing = student_constant(nothing, only)
     for i in range(len(features)):
         empty[i] = student_log_density(nothing, only, constant_of_nothing, features[i], offset)
-    return Statistics(law, constant, word_counts.copy(), word_counts.sum(axis=1), empty)
+    return Statistics(posterior, constant, word_counts.copy(), word_counts.sum(axis=1), empty)
 
 
 @compiled
@@ -146,15 +146,15 @@ def assignment_log_weights(
         own_words: the words that point at the element; counts grow from one to the next.
         offset: (dim,) working space.
     """
-    law = statistics.law
+    posterior = statistics.posterior
     K, W = statistics.words.shape
     result = np.empty(K)
     for k in range(K):
-        if law.counts[k] == 0.0:
+        if posterior.counts[k] == 0.0:
             emission = statistics.empty[i]
         else:
-            emission = student_log_density(law, k, statistics.constant[k], elements.features[i], offset)
-        result[k] = math.log(law.counts[k] + elements.weight) + emission
+            emission = student_log_density(posterior, k, statistics.constant[k], elements.features[i], offset)
+        result[k] = math.log(posterior.counts[k] + elements.weight) + emission
         for n in range(len(own_words)):
             count, total = statistics.words[k, own_words[n]] + elements.gamma, statistics.word_totals[k] + n
             for earlier in range(n):
@@ -167,16 +167,16 @@ def assignment_log_weights(
 @compiled
 def remove_element(elements: Elements, statistics: Statistics, z: Ints, i: int, k: int) -> None:
     """Take the features of element i, which z no longer gives to category k, out of that category."""
-    if not remove_point(statistics.law, k, elements.features[i]):
-        fit_category(statistics.law, k, elements.gaussian, elements.features, z)
-    statistics.constant[k] = student_constant(statistics.law, k)
+    if not remove_point(statistics.posterior, k, elements.features[i]):
+        fit_category(statistics.posterior, k, elements.gaussian, elements.features, z)
+    statistics.constant[k] = student_constant(statistics.posterior, k)
 
 
 @compiled
 def add_element(elements: Elements, statistics: Statistics, i: int, k: int) -> None:
     """Put the features of element i into category k."""
-    add_point(statistics.law, k, elements.features[i])
-    statistics.constant[k] = student_constant(statistics.law, k)
+    add_point(statistics.posterior, k, elements.features[i])
+    statistics.constant[k] = student_constant(statistics.posterior, k)
 
 
 @compiled
