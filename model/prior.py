@@ -34,15 +34,17 @@ class Prior(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
-    categories: int = Field(10, ge=1, description="K, upper limit of the number of categories (weak limit)")
-    concentration: Positive = Field(1.0, description="α of the mixture weights")
-    mean: float = Field(0.0, description="m0, the mean of the categories' means, the same number in every dimension")
-    mean_precision: Positive = Field(0.001, description="κ0, the pseudo-observations behind m0")
-    scale: Positive = Field(0.01, description="V0 = scale · I, the spread that the Gaussians expect")
-    extra_degrees_of_freedom: float = Field(2.0, gt=-1, description="ν0 − dim")
-    word_concentration: Positive = Field(0.1, description="γ of the word distributions")
+    categories: int = Field(default=10, ge=1, description="K, upper limit of the number of categories (weak limit)")
+    concentration: Positive = Field(default=1.0, description="α of the mixture weights")
+    mean: float = Field(
+        default=0.0, description="m0, the mean of the categories' means, the same number in every dimension"
+    )
+    mean_precision: Positive = Field(default=0.001, description="κ0, the pseudo-observations behind m0")
+    scale: Positive = Field(default=0.01, description="V0 = scale · I, the spread that the Gaussians expect")
+    extra_degrees_of_freedom: float = Field(default=2.0, gt=-1, description="ν0 − dim")
+    word_concentration: Positive = Field(default=0.1, description="γ of the word distributions")
     box: tuple[float, float] = Field(
-        (0.0, 1.0),
+        default=(0.0, 1.0),
         strict=False,
         description="interval from which the means of empty categories are drawn where `empty_category` is `uniform`",
     )

@@ -35,12 +35,3 @@ class State(Partition):
     mean: tuple[Floats, ...]
     factor: tuple[Floats, ...]
     log_words: tuple[Floats, ...]
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How the blocked sampler deviates from the published algorithm (docs/model.md, The two samplers)."""
-
-    averaged_draws: int = 1
-    empty_category: str = "prior"
-    start_scale: float = 0.05

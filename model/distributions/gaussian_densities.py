@@ -106,7 +106,9 @@ def gaussian_log_marginal(prior: GaussianPrior, posterior: GaussianInverseWishar
     total = 0.0
     for k in range(len(posterior.mean)):
         if posterior.counts[k] > 0.0:
-            after = log_multivariate_gamma(posterior.degrees_of_freedom[k] / 2.0, dim) - 0.5 * dim * math.log(posterior.mean_precision[k])
+            after = log_multivariate_gamma(posterior.degrees_of_freedom[k] / 2.0, dim) - 0.5 * dim * math.log(
+                posterior.mean_precision[k]
+            )
             after -= posterior.degrees_of_freedom[k] * half_log_determinant(posterior.upper[k])
             total += after - 0.5 * dim * posterior.counts[k] * _LOG_PI - before
     return total

@@ -82,15 +82,12 @@ def _add_square(matrix: Floats, vector: Floats, weight: float) -> None:
 
 
 @compiled
-def gaussian_posterior(
-    features: Floats, z: Ints, K: int, m0: float, kappa0: float, scale: float, nu0: float
-) -> GaussianInverseWishart:
-    """Posterior of the K Gaussians of a channel given features (N, dim) and categories z (N,).
-
-    The prior comes as four numbers, `*prior.gaussian(dim)`: named tuples are slow to hand to compiled code.
-    """
-    dim, prior = features.shape[1], GaussianPrior(m0, kappa0, scale, nu0)
-    posterior = GaussianInverseWishart(np.empty(K), np.empty((K, dim)), np.empty(K), np.empty((K, dim, dim)), np.empty(K))
+def gaussian_posterior(features: Floats, z: Ints, K: int, prior: GaussianPrior) -> GaussianInverseWishart:
+    """Posterior of the K Gaussians of a channel given features (N, dim) and categories z (N,)."""
+    dim = features.shape[1]
+    posterior = GaussianInverseWishart(
+        np.empty(K), np.empty((K, dim)), np.empty(K), np.empty((K, dim, dim)), np.empty(K)
+    )
     for k in range(K):
         fit_category(posterior, k, prior, features, z)
     return posterior
@@ -98,18 +95,10 @@ def gaussian_posterior(
 
 @compiled
 def draw_posterior_gaussians(
-    rng: np.random.Generator,
-    features: Floats,
-    z: Ints,
-    K: int,
-    averaged_draws: int,
-    m0: float,
-    kappa0: float,
-    scale: float,
-    nu0: float,
+    rng: np.random.Generator, features: Floats, z: Ints, K: int, averaged_draws: int, prior: GaussianPrior
 ) -> tuple[Floats, Floats]:
     """Draw μ (K, dim) and the lower Cholesky factor of Σ (K, dim, dim) from `gaussian_posterior`."""
-    return draw_gaussians(rng, gaussian_posterior(features, z, K, m0, kappa0, scale, nu0), averaged_draws)
+    return draw_gaussians(rng, gaussian_posterior(features, z, K, prior), averaged_draws)
 
 
 @compiled

@@ -28,7 +28,9 @@ def student_constant(posterior: GaussianInverseWishart, k: int) -> float:
 
 
 @compiled
-def student_log_density(posterior: GaussianInverseWishart, k: int, constant: float, point: Floats, offset: Floats) -> float:
+def student_log_density(
+    posterior: GaussianInverseWishart, k: int, constant: float, point: Floats, offset: Floats
+) -> float:
     """Log predictive density of a point (dim,) under category k, see `student_constant`.
 
     `offset` (dim,) is working space.

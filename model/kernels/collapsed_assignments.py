@@ -1,7 +1,7 @@
 """The collapsed sampler's conditional of z: one element given all others, π, φ and θ integrated out.
 
 The counts and Gaussians of the others are kept while a sweep goes on: an element is taken out, weighed against each
-category, and put into the one that is drawn (docs/model.md, The two samplers).
+category, and put into the one that is drawn (docs/model.md, The samplers).
 """
 
 from __future__ import annotations
@@ -15,8 +15,16 @@ from model.compiled import compiled
 from model.data import Flags, Floats, Ints
 from model.distributions.dirichlet import draw_index
 from model.distributions.gaussians import GaussianInverseWishart, fit_category, gaussian_posterior
-from model.distributions.predictive import add_point, change_count, remove_point, student_constant, student_log_density
+from model.distributions.predictive import (
+    add_point,
+    change_count,
+    remove_point,
+    student_constant,
+    student_log_density,
+)
+from model.kernels.words import word_counts
 from model.prior import GaussianPrior
+from model.problem import Problem
 
 
 class Elements(NamedTuple):
@@ -61,42 +69,53 @@ class Statistics(NamedTuple):
     empty: Floats
 
 
-@compiled
 def sweep_assignments(
-    rng: np.random.Generator,
-    z: Ints,
-    temperature: float,
-    word_counts: Floats,
-    features: Floats,
-    words: Ints,
-    order: Ints,
-    bounds: Ints,
-    explained: Flags,
-    weight: float,
-    gamma: float,
-    m0: float,
-    kappa0: float,
-    scale: float,
-    nu0: float,
-) -> tuple[Ints, Floats]:
-    """Draw z^x of a channel, one element after the other.
+    rng: np.random.Generator, problem: Problem, c: int, z: Ints, F: Ints, temperature: float
+) -> Ints:
+    """Draw z of channel c, one element after the other; `temperature` (1 for the posterior) divides log weights."""
+    return _sweep_copy(rng, elements_of(problem, c, F), word_counts(problem, c, z, F), z, temperature)
 
-    From categories `z` (N,) and their `word_counts` (K, W); `temperature` divides the log weights and is 1 for
-    the posterior. All other arguments are those of `Elements`, the last four those of `GaussianPrior`.
 
-    Returns:
-        z afterwards, and the word counts that belong to it.
-    """
-    prior = GaussianPrior(m0, kappa0, scale, nu0)
-    elements = Elements(features, words, order, bounds, explained, prior, weight, gamma)
-    statistics, z = channel_statistics(elements, word_counts, z), z.copy()
+def element_log_weights(problem: Problem, c: int, z: Ints, F: Ints, i: int) -> Floats:
+    """(K,) unnormalised log p(z_i = k | …) of element i of channel c, which `sweep_assignments` draws from."""
+    return _element_log_weights(elements_of(problem, c, F), word_counts(problem, c, z, F), z, i)
+
+
+def elements_of(problem: Problem, c: int, F: Ints) -> Elements:
+    """What the kernels know of channel c, given the frames F (T,)."""
+    trials, prior = problem.trials, problem.priors[c]
+    return Elements(
+        trials.channels[c].features,
+        trials.words[c],
+        *trials.words_by_element[c],
+        problem.explained(F, c),
+        problem.gaussian(c),
+        prior.concentration / prior.categories,
+        prior.word_concentration,
+    )
+
+
+@compiled
+def _sweep_copy(rng: np.random.Generator, elements: Elements, counts: Floats, z: Ints, temperature: float) -> Ints:
+    """Draw z (N,) from categories z and their word counts (K, W), see `sweep`."""
+    statistics, z = channel_statistics(elements, counts, z), z.copy()
     sweep(rng, elements, statistics, z, temperature)
-    return z, statistics.words
+    return z
+
+
+@compiled
+def _element_log_weights(elements: Elements, counts: Floats, z: Ints, i: int) -> Floats:
+    """`category_log_weights` (K,) of element i within a state."""
+    statistics, z, own_words = channel_statistics(elements, counts, z), z.copy(), words_of_element(elements, i)
+    old, z[i] = z[i], -1
+    remove_element(elements, statistics, z, i, old)
+    count_words(statistics, old, own_words, -1.0)
+    return category_log_weights(elements, statistics, i, own_words, np.empty(elements.features.shape[1]))
 
 
 @compiled
 def sweep(rng: np.random.Generator, elements: Elements, statistics: Statistics, z: Ints, temperature: float) -> None:
-    """Draw z, see `sweep_assignments`; z and the statistics change in place."""
+    """Draw the category of each element in turn; z and the statistics change in place."""
     posterior, dim = statistics.posterior, elements.features.shape[1]
     offset, mean, upper = np.empty(dim), np.empty(dim), np.empty((dim, dim))
     for i in range(len(z)):
@@ -105,7 +124,7 @@ def sweep(rng: np.random.Generator, elements: Elements, statistics: Statistics, 
         z[i] = -1
         remove_element(elements, statistics, z, i, old)
         count_words(statistics, old, own_words, -1.0)
-        log_weights = assignment_log_weights(elements, statistics, i, own_words, offset)
+        log_weights = category_log_weights(elements, statistics, i, own_words, offset)
         new = draw_index(rng, log_weights / temperature)
         z[i] = new
         count_words(statistics, new, own_words, 1.0)
@@ -117,24 +136,24 @@ def sweep(rng: np.random.Generator, elements: Elements, statistics: Statistics, 
 
 
 @compiled
-def channel_statistics(elements: Elements, word_counts: Floats, z: Ints) -> Statistics:
+def channel_statistics(elements: Elements, counts: Floats, z: Ints) -> Statistics:
     """What the categories know, computed from all elements (N,) and word counts (K, W)."""
-    features, (m0, kappa0, scale, nu0) = elements.features, elements.gaussian
-    posterior = gaussian_posterior(features, z, len(word_counts), m0, kappa0, scale, nu0)
+    features, prior = elements.features, elements.gaussian
+    posterior = gaussian_posterior(features, z, len(counts), prior)
     # One empty category; numbers written as literals would compile the callees once more.
-    nothing = gaussian_posterior(features[:0], z[:0], min(1, len(word_counts)), m0, kappa0, scale, nu0)
+    nothing = gaussian_posterior(features[:0], z[:0], min(1, len(counts)), prior)
     only = len(nothing.mean) - 1
-    constant, empty, offset = np.empty(len(word_counts)), np.empty(len(features)), np.empty(features.shape[1])
+    constant, empty, offset = np.empty(len(counts)), np.empty(len(features)), np.empty(features.shape[1])
     for k in range(len(constant)):
         constant[k] = student_constant(posterior, k)
     constant_of_nothing = student_constant(nothing, only)
     for i in range(len(features)):
         empty[i] = student_log_density(nothing, only, constant_of_nothing, features[i], offset)
-    return Statistics(posterior, constant, word_counts.copy(), word_counts.sum(axis=1), empty)
+    return Statistics(posterior, constant, counts.copy(), counts.sum(axis=1), empty)
 
 
 @compiled
-def assignment_log_weights(
+def category_log_weights(
     elements: Elements, statistics: Statistics, i: int, own_words: Ints, offset: Floats
 ) -> Floats:
     """(K,) unnormalised log p(z_i = k | …) of element i, from statistics without it.
@@ -198,30 +217,3 @@ def count_words(statistics: Statistics, k: int, own_words: Ints, change: float) 
     for word in own_words:
         statistics.words[k, word] += change
         statistics.word_totals[k] += change
-
-
-@compiled
-def element_log_weights(
-    z: Ints,
-    i: int,
-    word_counts: Floats,
-    features: Floats,
-    words: Ints,
-    order: Ints,
-    bounds: Ints,
-    explained: Flags,
-    weight: float,
-    gamma: float,
-    m0: float,
-    kappa0: float,
-    scale: float,
-    nu0: float,
-) -> Floats:
-    """`assignment_log_weights` (K,) of element i within a state; arguments as in `sweep_assignments`."""
-    prior = GaussianPrior(m0, kappa0, scale, nu0)
-    elements = Elements(features, words, order, bounds, explained, prior, weight, gamma)
-    statistics, z, own_words = channel_statistics(elements, word_counts, z), z.copy(), words_of_element(elements, i)
-    old, z[i] = z[i], -1
-    remove_element(elements, statistics, z, i, old)
-    count_words(statistics, old, own_words, -1.0)
-    return assignment_log_weights(elements, statistics, i, own_words, np.empty(features.shape[1]))

@@ -28,13 +28,17 @@ class Sampler(BaseModel, ABC, Generic[S]):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
-    kind: str
-    iterations: int = Field(200, ge=1, description="sweeps per chain")
+    kind: str = ""  # each kind has its own
+    iterations: int = Field(default=200, ge=1, description="sweeps per chain")
     chains: int = Field(
-        1, ge=1, description="number of chains; the one whose last state has the highest log p(X, w, z, F) is kept"
+        default=1,
+        ge=1,
+        description="number of chains; the one whose last state has the highest log p(X, w, z, F) is kept",
     )
     keep_history: int = Field(
-        20, ge=0, description="number of states whose z and F are kept, evenly spaced up to the last; at most all"
+        default=20,
+        ge=0,
+        description="number of states whose z and F are kept, evenly spaced up to the last; at most all",
     )
 
     @property
