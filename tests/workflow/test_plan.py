@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from model.prior_standin import Prior
+from model.prior import Prior
 from model.samplers import Blocked
 from tests.synthetic import WORDS
 from tests.workflow.configs import FILE, minimal

@@ -10,7 +10,7 @@ from typing_extensions import TypeAliasType
 
 from data_collection.limits import NAME_PATTERN, NAME_RULE
 from data_collection.strict_model import LISTED
-from model.frames import METHODS
+from model.methods import METHODS
 
 Channel = Literal["action", "position", "object", "color"]
 CHANNELS: tuple[Channel, ...] = get_args(Channel)

@@ -8,7 +8,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from model.prior_standin import Prior
+from model.prior import Prior
 from workflow.plan.config_types import WORDLESS, Channel
 from workflow.plan.study_config import ExperimentConfig, Task
 from workflow.plan.variants import HYPERPARAMETERS, hyperparameters

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 from pydantic import Field, create_model
 
 from data_collection.strict_model import StrictModel
-from model.prior_standin import Prior
+from model.prior import Prior
 from workflow.plan.config_types import CHANNELS, Channel, MethodName, Name, Percent, PerChannel, Several, TrialCount
 
 HYPERPARAMETERS = {
