@@ -140,12 +140,12 @@ def test_wrong_problems_are_refused(trials: Trials) -> None:
 
 def test_everything_wrong_with_settings_is_named_at_once(kind: Kind) -> None:
     with pytest.raises(ValueError, match=r"(?s)iterations.*chains.*keep_history.*speed"):
-        kind(iterations=0, chains=1.5, keep_history=-1, speed=3)
+        kind(**{"iterations": 0, "chains": 1.5, "keep_history": -1, "speed": 3})
     with pytest.raises(ValueError, match="averaged_draws"):
         Blocked(averaged_draws=0)
     with pytest.raises(ValueError, match="temperature"):
         Collapsed(temperature=0.5)
-    with pytest.raises(ValueError, match="'fast'.*'blocked', 'collapsed'"):
+    with pytest.raises(ValueError, match=r"'fast'.*'blocked', 'collapsed'"):
         sampler_of({"kind": "fast"})
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from itertools import permutations, product
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from model import METHODS, Trials
 from tests.synthetic import trials_of_model
 
-FRAMES = {
+FRAMES: dict[str, Callable[[int, int], list[tuple[int, ...]]]] = {
     "proposed": lambda C, N: list(permutations(range(C), N)),
     "no_mec2": lambda C, N: list(product(range(C), repeat=N)),
 }
