@@ -9,7 +9,7 @@ import numpy as np
 from evaluation.metrics import Truth, adjusted_rand_index, channel_by_word, estimation_accuracy_rate
 from evaluation.scores import LETTERS
 from features.table import FeatureTable
-from model import METHODS, Fit
+from model import Fit
 
 
 def csl_measures(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[str]]) -> dict[str, float | None]:
@@ -35,7 +35,7 @@ def csl_measures(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[str
         )
     index = channel_by_word(words, channels)
     true_channels = [index.get(fit.trials.vocabulary[w]) for w in fit.trials.words[0]]
-    has_frames = METHODS[fit.method].has_frames
+    has_frames = fit.problem.method.has_frames
     measures["EAR"] = estimation_accuracy_rate(fit.state.F, true_channels) if has_frames else None
     for c, name in enumerate(channels):
         measures[f"used_{LETTERS[name]}"] = float(len(np.unique(fit.state.z[c])))
