@@ -227,7 +227,8 @@ rule report:
     params:
         config=config_name(),
         droppable=list(dict(droppable())),
-        experiments={name: portable(experiment) for name, experiment in study.experiments.items()},
+        origins={name: origin_of(experiment) for name, experiment in study.experiments.items()},
+        settings={name: complete(portable(experiment)) for name, experiment in study.experiments.items()},
         python=python_version(),
         packages=pinned_packages(),
         hashes={"code": study_hash(), "environment.lock": lock_hash()},

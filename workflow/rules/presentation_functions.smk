@@ -4,7 +4,7 @@ from dataclasses import replace
 from evaluation.pages.captions import caption, titled
 from evaluation.catalogue import CATEGORY_FIGURES, FIT_FIGURES, TABLE_FORMS, figure_of, files_of_tables, tables_of
 from workflow.artifacts.versions import pinned_packages, python_version, study_hash
-from workflow.plan.settings import portable
+from workflow.plan.settings import complete, origin as origin_of, portable
 
 TABLES = tables_of(
     {(name, task, D) for name in study.experiments for task in TASKS for D in study.tested_D(name, task)}

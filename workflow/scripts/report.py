@@ -11,24 +11,22 @@ from evaluation.pages.page import page
 from evaluation.scores import read_scores
 from features.table import read_metadata
 from workflow.execution.job import job
-from workflow.plan.settings import complete, origin
 
 with job(snakemake):
     files, params = snakemake.input, snakemake.params
     tables, figures = [Path(path) for path in files.tables], [Path(path) for path in files.figures]
     texts = [pd.read_csv(path, dtype=str, keep_default_na=False) for path in files.claims]
     chains = {Path(path).stem: pd.read_csv(path) for path in files.diagnostics}
-    from_where = {name: origin(own) for name, own in params.experiments.items()}
     shown = {path.stem for path in tables}
     made = {name: read_metadata(path) for name, path in zip(params.droppable, files.droppable, strict=True)}
     dropped = {name: json.loads(told.get("dropped", "[]")) for name, told in made.items()}
     sections = [
-        report.about(params.config, from_where, read_scores([Path(files.scores)]), dropped),
+        report.about(params.config, params.origins, read_scores([Path(files.scores)]), dropped),
         *([report.claims(texts[0], texts[1] if len(texts) > 1 else None, shown)] if texts else []),
         report.tables(tables),
-        report.figures(figures, params.experiments),
+        report.figures(figures, params.origins),
         report.diagnostics(chains),
-        origins.settings(params.config, {name: complete(own) for name, own in params.experiments.items()}),
+        origins.settings(params.config, params.settings),
         origins.versions(params.python, params.packages, params.hashes),
         origins.reproduction(params.config),
     ]
