@@ -18,7 +18,5 @@ with job(snakemake):
     priors = tuple(Prior.model_validate(params.priors[channel.name]) for channel in trials.channels)
     sampler = SAMPLERS[params.sampler["kind"]].model_validate(params.sampler)
     condition = [names.experiment, names.variant, names.method, sampler.stream, names.D, names.ROW, names.seed]
-    result = fit(
-        Problem(trials, METHODS[names.method], priors), sampler, generator(params.seed, "fit", *condition)
-    )
+    result = fit(Problem(trials, METHODS[names.method], priors), sampler, generator(params.seed, "fit", *condition))
     save(result, Path(snakemake.output[0]))
