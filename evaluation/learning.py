@@ -55,7 +55,7 @@ def _ear(learned: Learned, words: Words) -> float | None:
     trials = learned.fit.trials
     channel_of = channel_by_word(words, [channel.name for channel in trials.channels])
     true = [channel_of.get(trials.vocabulary[w]) for w in trials.words[0]]
-    return estimation_accuracy_rate(learned.fit.state.F, true) if learned.fit.method.has_frames else None
+    return estimation_accuracy_rate(learned.fit.state.F, true) if learned.fit.problem.method.has_frames else None
 
 
 def _used(channel: str, learned: Learned, words: Words) -> float:
