@@ -9,19 +9,15 @@ import pandas as pd
 
 from data_collection.files import replacing
 
-CONDITION = [
-    "experiment",
-    "variant",
-    "task",
-    "method",
-    "inference",
-    "averaged_draws",
-    "chains",
-    "D",
-    "ROW",
-    "seed",
-]
+# What names a fit; its task is what is measured.
+CONDITION = ["experiment", "variant", "task", "method", "sampler", "D", "ROW", "seed"]
 COLUMNS = [*CONDITION, "measure", "value"]
+# What names the seeds of a fit together.
+SEEDS = [key for key in CONDITION if key not in ("task", "seed")]
+# What two methods share that are compared in a table.
+SHARED = [key for key in SEEDS if key not in ("experiment", "method")]
+# What tells one row of a table from another, most general first.
+ROW_KEYS = [*SHARED, "method"]
 # The letter that names a channel in measures and figures.
 LETTERS = {"action": "a", "position": "p", "object": "o", "color": "c"}
 

@@ -215,7 +215,7 @@ def test_code_is_edited_while_the_study_runs(own: Own, tmp_path: Path) -> None:
     with start(own.config, out, "--until", "fit", cache=cache, root=clone) as process:
         wait_until(lambda: records(out) > 0, process)
         with (clone / "model" / "fits.py").open("a") as file:
-            file.write("# Edited.\n")
+            file.write("EDITED = True\n")
         printed, _ = process.communicate()
     assert process.returncode == 1
     assert "the code of rule fit changed while the study ran: what it made is removed; run again" in printed

@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 
 from tests.workflow.tiny import carry_out as carry_out_in
-from tests.workflow.tiny import plan, work
-from workflow.artifacts.keys import output_key
+from tests.workflow.tiny import files, plan, work
+from workflow.artifacts.keys import hash_of, output_key
 from workflow.artifacts.manifest import verify
+from workflow.artifacts.provenance import FORMAT, parts_of_code
 from workflow.artifacts.records import DamagedError, read_record, record_path
 from workflow.artifacts.store import Store
 from workflow.execution.dag import Job, Plan, keys_of
@@ -49,6 +50,16 @@ def test_keys_in_jobs_are_those_of_the_plan(run: Run, out: Path) -> None:
             assert record is not None
             assert record.key == output_key(key, role)
             assert record.explains_its_key()
+
+
+WRITTEN = {1: "4c480f55db8cccc3154c4fd28e6e0057f94bd444c8a20a1aca7222a32ce3f4ab"}
+
+
+def test_what_the_machinery_writes_belongs_to_its_format(run: Run, out: Path) -> None:
+    """No key holds the code of the machinery: raise `FORMAT` if this sha256 of artifacts and records is another."""
+    run()
+    written = {path: content.decode() for path, content in files(out).items()}
+    assert hash_of([written, parts_of_code("a" * 64 + "b" * 64)]) == WRITTEN[FORMAT]
 
 
 def test_nothing_runs_again(run: Run) -> None:

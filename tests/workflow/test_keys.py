@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 import subprocess
@@ -203,19 +204,62 @@ def project(tmp_path: Path) -> Copy:
     return Copy(tmp_path)
 
 
+def other_formula(source: str) -> str:
+    """The source of a module in which the first sum, difference or product is a quotient."""
+    tree = ast.parse(source)
+    arithmetic = ast.Add | ast.Sub | ast.Mult
+    found = next(node for node in ast.walk(tree) if isinstance(node, ast.BinOp) and isinstance(node.op, arithmetic))
+    found.op = ast.Div()
+    return ast.unparse(tree)
+
+
+def other_words(source: str) -> str:
+    """The source of a module in another layout, without its comments, and with other docstrings."""
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+        if isinstance(node, documented) and ast.get_docstring(node) is not None:
+            node.body[0] = ast.Expr(ast.Constant("Other words."))
+    return ast.unparse(tree) + "\n# A comment.\n"
+
+
 def test_a_change_reruns_the_stages_that_use_it_and_what_follows(project: Copy) -> None:
     base = project.plan()
-    project.edit("evaluation/metrics.py", lambda text: f"{text}# A comment.\n")
+    project.edit("evaluation/metrics.py", lambda text: f"{text}\nMORE = 1\n")
     touched = project.changed(base)
     assert "scores" in touched
     assert touched.isdisjoint({"mcap", "percepts", "features", "fits"})
     base = project.plan()
-    project.edit("model/blocked.py", lambda text: f"{text}# A comment.\n")
+    [sampler] = (project.folder / "model").rglob("blocked.py")
+    project.edit(str(sampler), other_formula)
     touched = project.changed(base)
     assert {"fits", "scores", "tables"} <= {path.partition(".")[0] for path in touched}
     assert touched.isdisjoint({"mcap", "percepts", "features"})
     base = project.plan()
     project.edit("environment.lock", lambda text: f"{text}another-package==1.0\n")
+    assert project.changed(base) == {path.partition("/")[0] for path in base}
+
+
+def test_words_and_layout_rerun_nothing(project: Copy) -> None:
+    """Comments and docstrings of all modules, and messages of what runs the jobs."""
+    base = project.plan()
+    for path in sorted(project.folder.rglob("*.py")):
+        project.edit(str(path), other_words)
+    for module in ("workflow/execution/turns.py", "workflow/artifacts/records.py", "workflow/plan/config.py"):
+        project.edit(module, lambda text: re.sub(r"\bf'", "f'Reworded: ", text))
+    assert project.changed(base) == set()
+
+
+def test_messages_of_stages_count(project: Copy) -> None:
+    """Such a string may be data."""
+    base = project.plan()
+    project.edit("features/table.py", lambda text: f'{text}\nMESSAGE = "words"\n')
+    assert {"features", "fits"} <= project.changed(base)
+
+
+def test_the_format_stands_in_every_key(project: Copy) -> None:
+    base = project.plan()
+    project.edit("workflow/artifacts/provenance.py", lambda text: re.sub(r"(?m)^FORMAT = ", "FORMAT = 1", text))
     assert project.changed(base) == {path.partition("/")[0] for path in base}
 
 

@@ -19,10 +19,30 @@ def names(script: str) -> set[str]:
 
 def test_imports_are_followed() -> None:
     fit = names("fit.py")
-    assert {"workflow/scripts/fit.py", "workflow/execution/job.py", "model/__init__.py", "model/blocked.py"} <= fit
+    assert {"workflow/scripts/fit.py", "model/__init__.py", "model/fits.py"} <= fit
     assert {"features/table.py", "data_collection/seeding.py"} <= fit
     assert not any(name.startswith("evaluation/") for name in fit)
     assert "evaluation/figures/fit.py" not in names("evaluate_learning.py")
+
+
+def test_of_the_workflow_each_digest_holds_the_script_alone() -> None:
+    for script in SCRIPTS.glob("*.py"):
+        assert [name for name in names(script.name) if name.startswith("workflow/")] == [
+            f"workflow/scripts/{script.name}"
+        ]
+
+
+READERS = ("__doc__", "getdoc", "getsource", "get_docstring", "use_attribute_docstrings")
+
+
+def test_no_job_reads_docstrings() -> None:
+    """They are in no digest; the schema of the features' settings, which has one, only tells people what they are."""
+    modules = set().union(*(imported_files(script) for script in SCRIPTS.glob("*.py")))
+    assert len(modules) > 80
+    readers = {
+        path.relative_to(ROOT).as_posix() for path in modules if any(name in path.read_text() for name in READERS)
+    }
+    assert readers <= {"features/settings.py"}
 
 
 @pytest.mark.parametrize("later", ["evaluation", "model"])
@@ -65,5 +85,8 @@ def test_a_changed_import_changes_the_hash(tmp_path: Path, monkeypatch: pytest.M
     before = fresh()
     (tmp_path / "package" / "other.py").write_text("x = 2\n")
     assert fresh() == before
+    (tmp_path / "package" / "deep.py").write_text('"""Words."""\n\nx = (1)  # one\n"""A note."""\n')
+    assert fresh() == before
     (tmp_path / "package" / "deep.py").write_text("x = 2\n")
     assert fresh() != before
+    assert not provenance.code_is_unchanged(tmp_path / "none.py")
