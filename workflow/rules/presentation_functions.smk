@@ -3,7 +3,7 @@
 from dataclasses import replace
 from evaluation.catalogue import FIGURES, files_of_tables, shown_figure, tables_of
 from workflow.artifacts.versions import pinned_packages, python_version, study_hash
-from workflow.plan.overview import overview, source_in_words
+from workflow.plan.all_settings import all_settings, source_in_words
 
 # The experiments with instructions to answer.
 INSTRUCTED = [name for name in study.experiments if study.generation_condition(name)]
