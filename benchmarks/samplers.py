@@ -35,7 +35,8 @@ def fit_and_measure(
     """One fit and its measures; the same words are omitted for all methods and samplers of a seed."""
     import numpy as np
 
-    from evaluation.learning import csl_measures
+    from evaluation.learning import Learned
+    from evaluation.measures import measured
     from model import Prior, Problem, Trials, fit
     from model.diagnostics import diagnose
     from model.omission import kept_words
@@ -48,7 +49,8 @@ def fit_and_measure(
     began = time.process_time()
     result = fit(problem, sampler, np.random.default_rng([seed, 7]))
     seconds = time.process_time() - began
-    measures = csl_measures(result, table, {channel: list(getattr(table, f"truth_{channel}")) for channel in names})
+    words = {channel: list(getattr(table, f"truth_{channel}")) for channel in names}
+    measures = measured("csl", Learned(result, table), words)
     row: Row = {"D": trials.count, "ROW": ROW, "method": method, "sampler": name, "seed": seed}
     row |= {measure: measures[measure] for measure in MEASURES}
     row |= {"log_joint": result.trace_log_joint[-1], "seconds": seconds}

@@ -6,8 +6,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 TABLE_FORMS = ("csv", "md", "tex", "html")
-# How the name of each file of a table ends.
-TABLE_ENDINGS = (*(f".{form}" for form in TABLE_FORMS), "_differences.csv")
 
 
 @dataclass(frozen=True)
@@ -152,13 +150,12 @@ def shown_figure(name: str, experiment: str, method: str = "") -> ShownFigure:
 
 @dataclass(frozen=True)
 class Table:
-    """One table: the part of the scores that it shows.
+    """One table: the part of the scores, or of the answers to uncertain instructions, that it shows.
 
     Attributes:
         title: its heading.
-        experiment: the experiment whose scores it shows.
-        tasks: `csl`, or the tasks that use what was learned.
-        measures: its columns.
+        experiment: the experiment that it shows.
+        tasks: those whose measures are its columns.
         D: the one number of trials that it shows, None for all.
         without: the variants that it leaves out.
     """
@@ -166,17 +163,22 @@ class Table:
     title: str
     experiment: str
     tasks: tuple[str, ...]
-    measures: tuple[str, ...]
     D: int | None = None
     without: tuple[str, ...] = ()
 
+    @property
+    def endings(self) -> tuple[str, ...]:
+        """How the names of its files end."""
+        differences = () if self.tasks == ("uncertain",) else ("_differences.csv",)
+        return (*(f".{form}" for form in TABLE_FORMS), *differences)
 
-MEASURES = {
-    "csl": ("ARI_a", "ARI_p", "ARI_o", "ARI_c", "EAR"),
-    "generation": ("WAR", "OAR"),
-    "description": ("F1", "ACC"),
+
+TITLES = {
+    "csl": "Learning",
+    "generation": "Action generation",
+    "description": "Action description",
+    "uncertain": "Uncertain instructions",
 }
-TITLES = {"csl": "Learning", "generation": "Action generation", "description": "Action description"}
 
 # The tables of the paper: file name, number, experiment, tasks, D.
 PAPER_TABLES = (
@@ -209,32 +211,25 @@ def tables_of(
             which = f", D = {D}" if D else ""
             title = " and ".join(TITLES[task].lower() for task in tasks).capitalize()
             without = tuple((partial or {}).get(experiment, ()))
-            tables[name] = _table(f"Table {number}. {title}, {experiment}{which}", experiment, tasks, D, without)
+            tables[name] = Table(f"Table {number}. {title}, {experiment}{which}", experiment, tasks, D, without)
     for experiment, task in sorted({(experiment, task) for experiment, task, _ in run}):
-        tables[f"{experiment}_{task}"] = _table(f"{TITLES[task]}, {experiment}", experiment, (task,))
+        tables[f"{experiment}_{task}"] = Table(f"{TITLES[task]}, {experiment}", experiment, (task,))
     return tables
 
 
-def files_of_tables(tables: Iterable[str]) -> list[str]:
+def files_of_tables(tables: Mapping[str, Table]) -> list[str]:
     """The names of all files of these tables."""
-    return [f"{name}{ending}" for name in tables for ending in TABLE_ENDINGS]
+    return [f"{name}{ending}" for name, table in tables.items() for ending in table.endings]
 
 
-def paper_table_with(experiment: str, measure: str, D: int) -> str | None:
-    """The name of the paper's table that shows a measure of an experiment at a D; None where none does."""
+def paper_table_with(experiment: str, task: str, D: int) -> str | None:
+    """The name of the paper's table that shows a task of an experiment at a D; None where none does."""
     for name, _, of_experiment, tasks, of_D in PAPER_TABLES:
-        shown = any(measure in MEASURES[task] for task in tasks)
-        if of_experiment == experiment and of_D in (None, D) and shown:
+        if of_experiment == experiment and of_D in (None, D) and task in tasks:
             return name
     return None
 
 
-def cell_name(variant: str, inference: str, D: int, ROW: int, method: str, measure: str) -> str:
+def cell_name(variant: str, sampler: str, D: int, ROW: int, method: str, measure: str) -> str:
     """The id of a cell in the page of a table, to which other pages link."""
-    return f"{variant}-{inference}-D{D}-ROW{ROW}-{method}-{measure}"
-
-
-def _table(
-    title: str, experiment: str, tasks: tuple[str, ...], D: int | None = None, without: tuple[str, ...] = ()
-) -> Table:
-    return Table(title, experiment, tasks, tuple(measure for task in tasks for measure in MEASURES[task]), D, without)
+    return f"{variant}-{sampler}-D{D}-ROW{ROW}-{method}-{measure}"

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from evaluation.measure import Measure
+from evaluation.measure import Measure, Words
 from evaluation.metrics import adjusted_rand_index, channel_by_word, estimation_accuracy_rate
 from evaluation.scores import LETTERS
 from features.table import FeatureTable
 from model import Fit
-
-Words = Mapping[str, Sequence[str]]
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-# What a measure is taken of depends on its task; the words of the experiment come with it, by channel.
-Value = Callable[[Any, Mapping[str, Sequence[str]]], float | None]
+# The words of an experiment, by channel.
+Words = Mapping[str, Sequence[str]]
+# What a measure is taken of depends on its task.
+Value = Callable[[Any, Words], float | None]
 
 
 @dataclass(frozen=True)

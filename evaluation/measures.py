@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from evaluation import description, generation, learning
-from evaluation.measure import Measure
+from evaluation.measure import Measure, Words
 
 # In the order in which tables show them.
 MEASURES: Mapping[str, tuple[Measure, ...]] = {
@@ -17,7 +17,7 @@ MEASURES: Mapping[str, tuple[Measure, ...]] = {
 CHANCE = "_chance"
 
 
-def measured(task: str, subject: object, words: Mapping[str, Sequence[str]]) -> dict[str, float | None]:
+def measured(task: str, subject: object, words: Words) -> dict[str, float | None]:
     """The measures of a fit in a task by name, and the levels of chance after them; None where not defined.
 
     Args:
