@@ -217,8 +217,8 @@ def test_contradictions_are_named(change: dict[str, Any], where: str, says: str)
         (
             {"trails": 5},
             ": unknown key 'trails'; did you mean 'trials'? (allowed: D, K, ROW, data, description, "
-            "feature_extraction, features, figure, generation, logs, methods, samplers, seed, seeds, simulation, trials, trials_per_job, "
-            "variants, words)",
+            "feature_extraction, features, figure, generation, logs, methods, samplers, seed, seeds, simulation, "
+            "trials, trials_per_job, variants, words)",
         ),
         ({"D": None}, ": key 'D' is missing (numbers of training trials; the first D are used)"),
         ({"ROW": [0, 140]}, ".ROW[1]: 140 is more than the maximum of 100 (a whole number from 0 to 100)"),
