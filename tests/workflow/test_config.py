@@ -222,9 +222,16 @@ def test_contradictions_are_named(change: dict[str, Any], where: str, says: str)
         ),
         ({"D": None}, ": key 'D' is missing (numbers of training trials; the first D are used)"),
         ({"ROW": [0, 140]}, ".ROW[1]: 140 is more than the maximum of 100 (a whole number from 0 to 100)"),
-        ({"ROW": [0, True]}, ".ROW[1]: True must be a whole number (a whole number from 0 to 100)"),
+        ({"ROW": [0, True]}, ".ROW[1]: True must be a whole number from 0 to 100"),
+        (
+            {"simulation": {"light": {"direction": [1, 2]}}},
+            ".simulation.light.direction: [1, 2] needs 3 entries (from the table to the lamp)",
+        ),
         ({"ROW": [5, 5]}, ".ROW: 5 stands twice (rates of omitted words in per cent)"),
-        ({"seeds": 2.0}, ".seeds: 2.0 must be a whole number (fits per condition, with seeds 1, 2, …)"),
+        (
+            {"seeds": 2.0},
+            ".seeds: 2.0 must be a whole number from 1 to 100000 (fits per condition, with seeds 1, 2, …)",
+        ),
         (
             {"methods": ["propsed"]},
             ".methods[0]: 'propsed' is unknown; did you mean 'proposed'? (allowed: proposed, no_mec2, "
