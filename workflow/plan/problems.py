@@ -9,7 +9,17 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from workflow.plan.schema import Schema, allowed, choices, config_schema, inner, number_text, range_text, resolved
+from workflow.plan.schema import (
+    Schema,
+    allowed,
+    choices,
+    config_schema,
+    inner,
+    meaning_of,
+    number_text,
+    range_text,
+    resolved,
+)
 
 KINDS = {
     "integer": "a whole number",
@@ -133,7 +143,7 @@ def _place(loc: Sequence[str | int], config: Any) -> tuple[list[str | int], Sche
             continue
         path.append(part)
         schema = inner(schema, part)
-        meaning = schema.get("description", "")
+        meaning = meaning_of(schema)
         try:
             value = value[part]
         except (KeyError, IndexError, TypeError):
@@ -145,9 +155,7 @@ def _note(schema: Schema, meaning: str = "") -> str:
     """What is allowed, in brackets, and what the key means."""
     if values := choices(schema):
         return f" (allowed: {', '.join(values)})"
-    says: str = schema.get("description") or meaning or (f"a {allowed(schema)}" if schema else "")
-    if says.endswith("."):  # the sentence that describes a model
-        says = says[0].lower() + says[1:-1]
+    says = meaning_of(schema) or meaning or (f"a {allowed(schema)}" if schema else "")
     return f" ({says})" if says else ""
 
 

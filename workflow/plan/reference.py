@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from data_collection.files import replacing
+from workflow.plan.checks import MAX_FITS
 from workflow.plan.config import MAX_CONFIG_BYTES, MAX_CONFIG_VALUES
-from workflow.plan.loading import MAX_FITS
-from workflow.plan.schema import Schema, allowed, config_schema, inner, resolved
+from workflow.plan.schema import Schema, allowed, config_schema, inner, meaning_of, resolved
 
 HEAD = """\
 # Config reference
@@ -83,7 +83,7 @@ def _section(path: str, schema: Schema) -> list[str]:
         links = ", ".join(f"[{place}](#{_anchor(place)})" for place in places)
         shown = f"`{_literal(value['default'])}`" if value.get("default", []) != [] and not links else ""
         shown = "required" if key in schema.get("required", ()) or "const" in value else shown
-        cells = (f"`{key}`", links or allowed(value), shown, value.get("description", ""))
+        cells = (f"`{key}`", links or allowed(value), shown, meaning_of(value))
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return [*lines, ""]
 

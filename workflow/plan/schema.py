@@ -61,6 +61,12 @@ def inner(schema: Schema, key: str | int) -> Schema:
     return resolved(found) if isinstance(found, Mapping) else {}
 
 
+def meaning_of(schema: Schema) -> str:
+    """What a key means; of the sentence that describes a model, what stands in it."""
+    text = str(schema.get("description", ""))
+    return text[0].lower() + text[1:-1] if text.endswith(".") else text
+
+
 def allowed(schema: Schema) -> str:
     """What a value may be, in words."""
     if values := choices(schema):

@@ -38,7 +38,7 @@ class Only(StrictModel):
 class _Variant(StrictModel):
     """Changes of hyperparameters against the paper's, each a number, or one for each channel; and where it is run."""
 
-    only: Only = Field(Only(), description="the conditions that it is run for")
+    only: Only = Only()
 
 
 if TYPE_CHECKING:
