@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 TABLE_FORMS = ("csv", "md", "tex", "html")
 
@@ -230,6 +231,6 @@ def paper_table_with(experiment: str, task: str, D: int) -> str | None:
     return None
 
 
-def cell_name(variant: str, sampler: str, D: int, ROW: int, method: str, measure: str) -> str:
+def cell_name(condition: Mapping[Any, object], measure: str) -> str:
     """The id of a cell in the page of a table, to which other pages link."""
-    return f"{variant}-{sampler}-D{D}-ROW{ROW}-{method}-{measure}"
+    return "{variant}-{sampler}-D{D}-ROW{ROW}-{method}-".format_map(condition) + measure

@@ -113,8 +113,8 @@ def sheet_of_scores(scores: pd.DataFrame, table: Table) -> Sheet:
     chosen, measures = select(scores, table), shown(table.tasks)
     summary, paired = summarise(chosen, measures), differences(chosen, measures)
     marks = best(summary, measures)
-    conditions = list(zip(*(summary[key] for key in ROW_KEYS), strict=True))
-    names = pd.DataFrame({m: [cell_name(*condition, m) for condition in conditions] for m in measures})
+    conditions = summary[ROW_KEYS].to_dict("records")
+    names = pd.DataFrame({measure: [cell_name(one, measure) for one in conditions] for measure in measures})
     return Sheet(
         table.title,
         (

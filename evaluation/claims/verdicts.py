@@ -107,7 +107,7 @@ def link(cell: Cell) -> str:
     table = paper_table_with(cell.experiment, task, cell.D)
     if table is None:
         return f"descriptions/{cell.experiment}_D{cell.D}.csv"
-    return f"tables/{table}.html#{cell_name(VARIANT, SAMPLER, cell.D, cell.ROW, cell.method, cell.measure)}"
+    return f"tables/{table}.html#{cell_name({'variant': VARIANT, 'sampler': SAMPLER, **asdict(cell)}, cell.measure)}"
 
 
 def _links(comparison: Comparison) -> list[str]:

@@ -71,7 +71,7 @@ def _section(title: str, table: pd.DataFrame, fits: Sequence[Fit], shown: Mappin
 
 
 NOTE = """<p>Each seed is a chain; the second half of its iterations counts. R-hat (rank-normalised, split) is near
-1 where chains agree, and infinite where each stays at a value of its own; flat rank plots say the same. Where they do not
-agree, a last state is a mode of the posterior that a chain has found, not a summary of it. A quantity that never
+1 where chains agree, and infinite where each stays at a value of its own; flat rank plots say the same. Where they do
+not agree, a last state is a mode of the posterior that a chain has found, not a summary of it. A quantity that never
 changes has no ranks and no figures (–). Conditions in which some words are omitted are missing: each of their seeds
 hears other words, and has a posterior of its own.</p>"""
