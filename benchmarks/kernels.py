@@ -10,10 +10,10 @@ import numpy as np
 
 from model.compiled import compiled
 from model.data import Floats
-from model.gaussian_densities import gaussian_log_density
-from model.gaussians import GaussianInverseWishart, draw_posterior_gaussians, gaussian_posterior
-from model.linear_algebra import update
-from model.predictive import student_log_density
+from model.distributions.gaussian_densities import gaussian_log_density
+from model.distributions.gaussians import GaussianInverseWishart, draw_posterior_gaussians, gaussian_posterior
+from model.distributions.triangular import update
+from model.distributions.predictive import student_log_density
 from model.prior import Prior
 
 
@@ -80,7 +80,7 @@ def _kernels_of(dim: int, N: int = 80, K: int = 10) -> Iterator[Kernel]:
     """The hot kernels for N elements of one dimension and K categories."""
     rng = np.random.default_rng(dim)
     x, z, prior = rng.random((N, dim)), rng.integers(K, size=N), Prior().gaussian(dim)
-    law = gaussian_posterior(x, z, K, *prior)
+    posterior = gaussian_posterior(x, z, K, *prior)
     mean, factor = draw_posterior_gaussians(rng, x, z, K, 1, *prior)
     triangle = dim * (dim + 1) / 2.0
     solve, scatter, cube = 2.0 * N * K * triangle, 2.0 * N * triangle, K * dim**3 / 3.0
@@ -94,29 +94,29 @@ def _kernels_of(dim: int, N: int = 80, K: int = 10) -> Iterator[Kernel]:
             memory + 8.0 * K * triangle,
             lambda: draw_posterior_gaussians(rng, x, z, K, 1, *prior),
         ),
-        ("student_log_density", solve, memory, lambda: _all_predictive(law, x)),
-        ("update", 3.0 * solve, memory, lambda: _all_updates(law, x)),
+        ("student_log_density", solve, memory, lambda: _all_predictive(posterior, x)),
+        ("update", 3.0 * solve, memory, lambda: _all_updates(posterior, x)),
     )
     for name, flops, data, call in calls:
         yield Kernel(name, dim, flops, data, fastest(call))
 
 
 @compiled
-def _all_predictive(law: GaussianInverseWishart, points: Floats) -> float:
+def _all_predictive(posterior: GaussianInverseWishart, points: Floats) -> float:
     """The predictive density of every point under every category, as the collapsed sampler asks for them."""
     total, offset = 0.0, np.empty(points.shape[1])
     for point in points:
-        for k in range(len(law.mean)):
-            total += student_log_density(law, k, 0.0, point, offset)
+        for k in range(len(posterior.mean)):
+            total += student_log_density(posterior, k, 0.0, point, offset)
     return total
 
 
 @compiled
-def _all_updates(law: GaussianInverseWishart, points: Floats) -> float:
+def _all_updates(posterior: GaussianInverseWishart, points: Floats) -> float:
     """A rank-one update of every category by every point."""
-    total, vector, upper = 0.0, np.empty(points.shape[1]), np.empty(law.upper.shape[1:])
-    for k in range(len(law.mean)):
-        upper[:] = law.upper[k]
+    total, vector, upper = 0.0, np.empty(points.shape[1]), np.empty(posterior.upper.shape[1:])
+    for k in range(len(posterior.mean)):
+        upper[:] = posterior.upper[k]
         for point in points:
             vector[:] = point
             update(upper, vector)

@@ -20,7 +20,8 @@ import yaml
 from benchmarks.jobs import job_times
 from benchmarks.summary import markdown, processor
 from workflow.artifacts.manifest import read_manifest
-from workflow.plan.config import default, read_config
+from workflow.plan.config import read_config
+from workflow.plan.study_config import ExperimentConfig
 
 CORES = (2, 100, 1000)
 NUMBERS = ("D", "trials")  # the keys that say how many trials there are
@@ -72,7 +73,7 @@ def larger(config: Mapping[str, Any], trials: int, seeds: int) -> dict[str, Any]
 
     result: dict[str, Any] = grown(config)
     for own in result["experiments"].values():
-        own["seeds"] = seeds * own.get("seeds", default("seeds"))
+        own["seeds"] = seeds * own.get("seeds", ExperimentConfig.model_fields["seeds"].default)
     return result
 
 

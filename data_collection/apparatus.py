@@ -1,132 +1,131 @@
-# ruff: noqa: RUF009 — `setting` is `dataclasses.field` with a documentation and a range
 """Settings of each thing in the simulated laboratory, from the objects on the table to the tutor."""
 
-from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from data_collection.limits import WORD_PATTERN
-from data_collection.schema import setting
+from pydantic import Field
+
 from data_collection.shapes import BUILDERS
+from data_collection.strict_model import Color, StrictModel, Vector, Word
 
-Color = tuple[float, float, float]
+if TYPE_CHECKING:
+    ShapeName: TypeAlias = str
+else:
+    ShapeName = Literal[tuple(BUILDERS)]
 
-VECTOR: dict[str, Any] = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
-RGB: dict[str, Any] = {**VECTOR, "items": {"type": "number", "minimum": 0, "maximum": 1}}
 
-
-@dataclass(frozen=True)
-class ObjectKind:
+class ObjectKind(StrictModel):
     """One object that may stand on the table."""
 
-    object: str = setting(doc="word of the object channel", pattern=WORD_PATTERN)
-    color: str = setting(doc="word of the color channel, a key of `colors`", pattern=WORD_PATTERN)
-    shape: str = setting(doc="mesh", enum=list(BUILDERS))
-    size: float = setting(0.056, doc="largest horizontal size, metres", low=0.03, high=0.09)
-    height: float = setting(0.056, doc="height, metres (a ball is as high as wide)", low=0.02, high=0.09)
-    style: int = setting(0, doc="variant of the mesh (car 0..3, cup 0..2, star 0..1)", low=0, high=3)
-    shade: int = setting(0, doc="which shade of its color it has, counted from 0", low=0)
-    mass: float = setting(0.06, doc="kilograms", low=0.005, high=1.0)
+    object: Word = Field(description="word of the object channel")
+    color: Word = Field(description="word of the color channel, a key of `colors`")
+    shape: ShapeName = Field(description="mesh")
+    size: float = Field(0.056, description="largest horizontal size, metres", ge=0.03, le=0.09)
+    height: float = Field(0.056, description="height, metres (a ball is as high as wide)", ge=0.02, le=0.09)
+    style: int = Field(0, description="variant of the mesh (car 0..3, cup 0..2, star 0..1)", ge=0, le=3)
+    shade: int = Field(0, description="which shade of its color it has, counted from 0", ge=0)
+    mass: float = Field(0.06, description="kilograms", ge=0.005, le=1.0)
 
 
-@dataclass(frozen=True)
-class Table:
+class Table(StrictModel):
     """The table."""
 
-    height: float = setting(-0.06, doc="height of its top, metres, robot frame", low=-0.15, high=0.05)
-    near: float = setting(0.13, doc="x of its near edge, metres", low=0.1, high=0.2)
-    far: float = setting(0.75, doc="x of its far edge, metres", low=0.5, high=1.5)
-    width: float = setting(1.1, doc="width, metres", low=0.6, high=2.0)
-    color: Color = setting((0.95, 0.95, 0.94), doc="red, green, blue, 0..1", **RGB)
-    cloth: float = setting(0.0, doc="strength of a woven texture, 0 none", low=0.0, high=1.0)
+    height: float = Field(-0.06, description="height of its top, metres, robot frame", ge=-0.15, le=0.05)
+    near: float = Field(0.13, description="x of its near edge, metres", ge=0.1, le=0.2)
+    far: float = Field(0.75, description="x of its far edge, metres", ge=0.5, le=1.5)
+    width: float = Field(1.1, description="width, metres", ge=0.6, le=2.0)
+    color: Color = Field((0.95, 0.95, 0.94), description="red, green, blue, 0..1")
+    cloth: float = Field(0.0, description="strength of a woven texture, 0 none", ge=0.0, le=1.0)
 
 
-@dataclass(frozen=True)
-class Light:
+class Light(StrictModel):
     """One lamp, and how it varies from trial to trial."""
 
-    direction: Color = setting((0.3, 0.7, 2.0), doc="from the table to the lamp", **VECTOR)
-    ambient: float = setting(0.62, doc="share of light from everywhere", low=0.0, high=1.0)
-    diffuse: float = setting(0.38, doc="share of light from the lamp", low=0.0, high=1.0)
-    shadow: bool = setting(True, doc="whether things cast shadows")
-    direction_spread: float = setting(
-        0.0, doc="standard deviation of each number of the direction", low=0.0, high=1.0
+    direction: Vector = Field((0.3, 0.7, 2.0), description="from the table to the lamp")
+    ambient: float = Field(0.62, description="share of light from everywhere", ge=0.0, le=1.0)
+    diffuse: float = Field(0.38, description="share of light from the lamp", ge=0.0, le=1.0)
+    shadow: bool = Field(True, description="whether things cast shadows")
+    direction_spread: float = Field(
+        0.0, description="standard deviation of each number of the direction", ge=0.0, le=1.0
     )
-    brightness_spread: float = setting(
-        0.0, doc="standard deviation of a factor on ambient and diffuse", low=0.0, high=0.3
+    brightness_spread: float = Field(
+        0.0, description="standard deviation of a factor on ambient and diffuse", ge=0.0, le=0.3
     )
 
 
-@dataclass(frozen=True)
-class Camera:
+class Camera(StrictModel):
     """The camera in the left eye."""
 
-    width: int = setting(400, doc="columns", low=160, high=1280)
-    height: int = setting(300, doc="rows", low=120, high=960)
-    view: float = setting(64.0, doc="vertical angle of view, degrees", low=30.0, high=90.0)
-    noise: float = setting(0.0, doc="standard deviation of a pixel's noise, grey levels of 255", low=0.0, high=30.0)
-    blur: float = setting(0.0, doc="standard deviation of the blur, pixels", low=0.0, high=3.0)
-    calibration_error: float = setting(
-        0.0, doc="standard deviation of relative errors of the logged focal lengths and centre", low=0.0, high=0.05
+    width: int = Field(400, description="columns", ge=160, le=1280)
+    height: int = Field(300, description="rows", ge=120, le=960)
+    view: float = Field(64.0, description="vertical angle of view, degrees", ge=30.0, le=90.0)
+    noise: float = Field(
+        0.0, description="standard deviation of a pixel's noise, grey levels of 255", ge=0.0, le=30.0
     )
-    mark_error: float = setting(
-        0.0, doc="standard deviation of the measured positions of the calibration dots, metres", low=0.0, high=0.01
+    blur: float = Field(0.0, description="standard deviation of the blur, pixels", ge=0.0, le=3.0)
+    calibration_error: float = Field(
+        0.0,
+        description="standard deviation of relative errors of the logged focal lengths and centre",
+        ge=0.0,
+        le=0.05,
+    )
+    mark_error: float = Field(
+        0.0,
+        description="standard deviation of the measured positions of the calibration dots, metres",
+        ge=0.0,
+        le=0.01,
     )
 
 
-@dataclass(frozen=True)
-class Noise:
+class Noise(StrictModel):
     """Noise of the robot's own senses."""
 
-    joints: float = setting(0.0, doc="standard deviation of the joint encoders, degrees", low=0.0, high=5.0)
-    gaze: float = setting(
-        0.005, doc="standard deviation of the fixation point along x and y, metres", low=0.0, high=0.03
+    joints: float = Field(0.0, description="standard deviation of the joint encoders, degrees", ge=0.0, le=5.0)
+    gaze: float = Field(
+        0.005, description="standard deviation of the fixation point along x and y, metres", ge=0.0, le=0.03
     )
-    tactile: float = setting(0.0, doc="standard deviation of the touch sensors, of their range", low=0.0, high=0.3)
+    tactile: float = Field(0.0, description="standard deviation of the touch sensors, of their range", ge=0.0, le=0.3)
 
 
-@dataclass(frozen=True)
-class Motion:
+class Motion(StrictModel):
     """How an action is drawn and carried out."""
 
-    look_share: float = setting(0.20, doc="probability that the robot only looks", low=0.0, high=1.0)
-    target_spread: float = setting(
-        0.010, doc="standard deviation of the hand's target along x and y, metres", low=0.0, high=0.05
+    look_share: float = Field(0.20, description="probability that the robot only looks", ge=0.0, le=1.0)
+    target_spread: float = Field(
+        0.010, description="standard deviation of the hand's target along x and y, metres", ge=0.0, le=0.05
     )
-    height_mean: float = setting(
-        0.006, doc="mean height of the hand's target above the best grasp, metres", low=-0.02, high=0.1
+    height_mean: float = Field(
+        0.006, description="mean height of the hand's target above the best grasp, metres", ge=-0.02, le=0.1
     )
-    height_spread: float = setting(0.014, doc="its standard deviation, metres", low=0.0, high=0.05)
-    height_least: float = setting(-0.008, doc="lowest height drawn, metres", low=-0.03, high=0.05)
-    clearance: float = setting(
-        0.10, doc="height over the target from which the hand comes down, metres", low=0.03, high=0.15
+    height_spread: float = Field(0.014, description="its standard deviation, metres", ge=0.0, le=0.05)
+    height_least: float = Field(-0.008, description="lowest height drawn, metres", ge=-0.03, le=0.05)
+    clearance: float = Field(
+        0.10, description="height over the target from which the hand comes down, metres", ge=0.03, le=0.15
     )
-    gaze_time: float = setting(0.5, doc="seconds for turning head and eyes", low=0.1, high=5.0)
-    transfer_time: float = setting(0.9, doc="seconds from rest to above the target", low=0.3, high=5.0)
-    descent_time: float = setting(0.7, doc="seconds from there to the target", low=0.3, high=5.0)
-    bend_time: float = setting(0.7, doc="seconds for bending and holding the fingers", low=0.3, high=5.0)
-    lift_time: float = setting(1.0, doc="seconds of the lift test", low=0.3, high=5.0)
-    lift_height: float = setting(0.06, doc="metres of the lift test", low=0.02, high=0.1)
-    log_rate: float = setting(20.0, doc="joint, touch and hand messages per second", low=1.0, high=240.0)
+    gaze_time: float = Field(0.5, description="seconds for turning head and eyes", ge=0.1, le=5.0)
+    transfer_time: float = Field(0.9, description="seconds from rest to above the target", ge=0.3, le=5.0)
+    descent_time: float = Field(0.7, description="seconds from there to the target", ge=0.3, le=5.0)
+    bend_time: float = Field(0.7, description="seconds for bending and holding the fingers", ge=0.3, le=5.0)
+    lift_time: float = Field(1.0, description="seconds of the lift test", ge=0.3, le=5.0)
+    lift_height: float = Field(0.06, description="metres of the lift test", ge=0.02, le=0.1)
+    log_rate: float = Field(20.0, description="joint, touch and hand messages per second", ge=1.0, le=240.0)
 
 
-@dataclass(frozen=True)
-class Hand:
+class Hand(StrictModel):
     """Forces of the right hand."""
 
-    finger_torque: float = setting(0.25, doc="largest torque of a finger joint, N·m", low=0.01, high=5.0)
-    friction: float = setting(1.2, doc="Coulomb friction of hand and objects", low=0.1, high=3.0)
-    saturation: float = setting(3.0, doc="force at which a touch sensor reads 1, newtons", low=0.1, high=50.0)
+    finger_torque: float = Field(0.25, description="largest torque of a finger joint, N·m", ge=0.01, le=5.0)
+    friction: float = Field(1.2, description="Coulomb friction of hand and objects", ge=0.1, le=3.0)
+    saturation: float = Field(3.0, description="force at which a touch sensor reads 1, newtons", ge=0.1, le=50.0)
 
 
-@dataclass(frozen=True)
-class Tutor:
+class Tutor(StrictModel):
     """Thresholds by which the tutor names an action."""
 
-    moved: float = setting(
-        0.03, doc="below this distance from its rest position the hand did not move, metres", low=0.005, high=0.1
+    moved: float = Field(
+        0.03, description="below this distance from its rest position the hand did not move, metres", ge=0.005, le=0.1
     )
-    contact: float = setting(0.05, doc="force from which it counts as contact, newtons", low=0.0, high=5.0)
-    bend: float = setting(
-        0.25, doc="finger rate from which the fingers are closed rather than open", low=0.0, high=1.0
+    contact: float = Field(0.05, description="force from which it counts as contact, newtons", ge=0.0, le=5.0)
+    bend: float = Field(
+        0.25, description="finger rate from which the fingers are closed rather than open", ge=0.0, le=1.0
     )
-    held: float = setting(0.5, doc="share of the lift by which the object must have risen", low=0.1, high=1.0)
+    held: float = Field(0.5, description="share of the lift by which the object must have risen", ge=0.1, le=1.0)

@@ -9,7 +9,7 @@ import numpy as np
 from data_collection.episode import SETS, calibrate, collect, execute
 from data_collection.limits import MAX_TRIAL
 from data_collection.log.mcap_log import Log, LogError
-from data_collection.settings import Simulation
+from data_collection.simulation_settings import Simulation
 from data_collection.task import Command
 
 _OWN_KEYS = ("experiment", "set", "trial", "seed", "settings")
@@ -45,7 +45,7 @@ def regenerate(log: Log) -> Log:
             f"{log.source}: metadata lacks {', '.join(missing)}: only logs of the simulator can be simulated again"
         )
     try:
-        simulation = Simulation.from_mapping(json.loads(log.metadata["settings"]))
+        simulation = Simulation.model_validate(json.loads(log.metadata["settings"]))
         seed, trial = int(log.metadata["seed"]), int(log.metadata["trial"])
         commands = [Command(**json.loads(log.metadata["command"]))] if "command" in log.metadata else []
         is_trial = log.metadata["set"] in SETS

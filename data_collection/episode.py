@@ -14,7 +14,7 @@ from data_collection.log import channels
 from data_collection.log.mcap_log import Log, Message
 from data_collection.log.messages import Floats, Value
 from data_collection.seeding import generator
-from data_collection.settings import ACTION, Simulation
+from data_collection.simulation_settings import ACTION, Simulation
 from data_collection.simulator import scene
 from data_collection.simulator.camera import believed, expose
 from data_collection.simulator.recording import Recording

@@ -14,7 +14,7 @@ from data_collection.log import channels
 from data_collection.log.mcap_log import Log
 from data_collection.log.messages import Image, JointState
 from data_collection.log.trial import observation, truth
-from data_collection.settings import Simulation
+from data_collection.simulation_settings import Simulation
 from data_collection.simulator import scene
 from data_collection.simulator.world import World
 
@@ -62,7 +62,7 @@ def animation(log: Log, *, width: int = 480, height: int = 360, every: int = 1) 
     """
     observation(log)
     settings = log.metadata.get("settings")
-    simulation = Simulation.from_mapping(json.loads(settings)) if settings else Simulation()
+    simulation = Simulation.model_validate(json.loads(settings)) if settings else Simulation()
     states = [(message.time, message.value) for message in log.messages if message.topic == channels.JOINT_STATES]
     poses = {message.time: message.value for message in log.messages if message.topic == channels.TRUTH_POSES}
     ahead = (_TOWARDS - _EYE) / np.linalg.norm(_TOWARDS - _EYE)
@@ -141,10 +141,9 @@ def _placed(log: Log) -> list[task.Placed]:
     text = next((str(message.value) for message in log.messages if message.topic == channels.TRUTH_SCENE), None)
     if text is None or "settings" not in log.metadata:
         return []
-    fields = ObjectKind.__dataclass_fields__
     return [
         task.Placed(
-            ObjectKind(**{key: item[key] for key in fields}),
+            ObjectKind(**{key: item[key] for key in ObjectKind.model_fields}),
             item["place"],
             tuple(item["position"]),
             float(item["turn"]),

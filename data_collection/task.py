@@ -1,6 +1,5 @@
 """What is done and said in a trial: scene, action, tutor's words. Pure functions of a random generator."""
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from data_collection.apparatus import ObjectKind, Tutor
-from data_collection.settings import ACTION, COLOR, OBJECT, POSITION, Simulation
 from data_collection.shapes import build
+from data_collection.simulation_settings import ACTION, COLOR, OBJECT, POSITION, Simulation
 
 _TRIES = 2000
 
@@ -202,7 +201,7 @@ def utter(rng: np.random.Generator, words: dict[str, str]) -> tuple[str, ...]:
 def describe(scene: Sequence[Placed]) -> list[dict[str, object]]:
     """Return the objects as plain values for the truth topic."""
     return [
-        {**dataclasses.asdict(item.kind), "place": item.place, "position": list(item.position), "turn": item.turn}
+        {**item.kind.model_dump(), "place": item.place, "position": list(item.position), "turn": item.turn}
         for item in scene
     ]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from features.settings import Detection
+from features.extraction_settings import Detection
 
 Image = NDArray[np.uint8]
 Mask = NDArray[np.bool_]

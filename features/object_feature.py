@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from data_collection.seeding import generator
 from features.detection import Image, Mask
-from features.settings import FeatureSettings
+from features.extraction_settings import FeatureSettings
 
 FC6_SIZE = 4096
 _INPUT_SIZE = 224

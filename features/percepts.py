@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from data_collection.log.mcap_log import Log
 from data_collection.log.trial import Observation, Truth, calibration, observation, truth
 from features.detection import Found, crop, detect, without_rim
+from features.extraction_settings import Detection, FeatureSettings
 from features.object_feature import FC6_SIZE, fc6
 from features.percept_data import Percepts, join
 from features.position import standing_position
-from features.settings import Detection, FeatureSettings
 from features.table import Texts
 from features.threads import one_thread
 from features.view import View, fit_view

@@ -19,9 +19,9 @@ from data_collection.seeding import generator
 from features.action import Scale, action_names, fit_action_scale, hand_target, within_limits
 from features.arrays import load_arrays, save_arrays
 from features.color import fit_codebook, histogram
+from features.extraction_settings import FeatureSettings
 from features.object_feature import weights_provenance
 from features.percept_data import Percepts
-from features.settings import FeatureSettings
 from features.table import FeatureTable
 from features.threads import one_thread
 

@@ -94,6 +94,6 @@ def _digest(package: Path) -> str:
     processor = binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()
     versions = numba.__version__, np.__version__, platform.python_version(), *processor
     digest = hashlib.sha256("\n".join(versions).encode())
-    for source in sorted(package.glob("*.py")):  # all of them: compiled code also builds what other modules define
-        digest.update(source.name.encode() + source.read_bytes())
+    for source in sorted(package.rglob("*.py")):  # all of them: compiled code also builds what other modules define
+        digest.update(source.relative_to(package).as_posix().encode() + source.read_bytes())
     return digest.hexdigest()[:16]

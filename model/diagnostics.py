@@ -129,9 +129,9 @@ def _check(fits: Sequence[Fit], burn_in: float) -> None:
         differences = [
             what
             for what, same in (
-                ("method", fit.method == first.method),
-                ("priors", fit.priors == first.priors),
-                ("inference", fit.sampler.get("inference") == first.sampler.get("inference")),
+                ("method", fit.problem.method == first.problem.method),
+                ("priors", fit.problem.priors == first.problem.priors),
+                ("sampler", fit.sampler == first.sampler),
                 ("number of iterations", len(fit.trace_log_joint) == len(first.trace_log_joint)),
                 ("words", np.array_equal(fit.trials.words, first.trials.words)),
                 ("words", np.array_equal(fit.trials.word_trial, first.trials.word_trial)),

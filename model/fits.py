@@ -12,7 +12,7 @@
 | `pi_{x}`, `mu_{x}`, `Sigma_{x}` | π^x, μ^x, Σ^x | (K_x,), (K_x, dim_x), (K_x, dim_x, dim_x) |
 | `theta_{x}` | θ^x | (K_x, W) |
 | `prior_{x}` | hyperparameters of the channel as JSON | () |
-| `sampler` | inference, iterations, chains, settings and the generator's seed as JSON | () |
+| `sampler` | the settings of the sampler, and the generator's seed, as JSON | () |
 | `history_iteration`, `history_F` | only if kept: number of the iteration from 1, F | (H,), (H, T) |
 | `history_z_{x}` | only if kept: z^x | (H, N_x) |
 """
@@ -22,15 +22,18 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from model.data import Channel, Floats, Ints, Trials
-from model.linear_algebra import factorise
+from model.methods import METHODS
 from model.prior import Prior
+from model.problem import Problem
+from model.samplers import AnySampler, Sampler
 from model.state import Partition, State
 
 
@@ -60,25 +63,27 @@ class Fit:
     """The last state of the best chain, and how it came about.
 
     Attributes:
-        trials: what was fitted.
-        method: name of the method in `METHODS`.
-        priors: hyperparameters, one a channel.
-        state: the last state.
+        problem: What was fitted, by which method and with which hyperparameters.
+        sampler: The sampler and its settings.
+        state: The last state.
         trace_log_joint: (iterations,) log p(X, w, z, F) with parameters integrated out, after each iteration.
         trace_used: (iterations, C) number of categories in use, after each iteration.
-        sampler: how it was sampled: `inference`, `iterations`, `chains`, `temperature`, the fields of
-            `Settings`, and `seed`, the entropy and key of the generator's SeedSequence.
-        history: the states that were asked for, if any.
+        seed: Entropy and key of the generator's SeedSequence, if it has one.
+        history: The states that were asked for, if any.
     """
 
-    trials: Trials
-    method: str
-    priors: tuple[Prior, ...]
+    problem: Problem
+    sampler: Sampler[Any]
     state: State
     trace_log_joint: Floats
     trace_used: Ints
-    sampler: Mapping[str, Any] = field(default_factory=dict)
+    seed: Mapping[str, Any] | None = None
     history: History | None = None
+
+    @property
+    def trials(self) -> Trials:
+        """What was fitted."""
+        return self.problem.trials
 
     def save(self, path: Path) -> None:
         """Write to a file, see `save`."""
@@ -95,9 +100,9 @@ def save(fit: Fit, path: Path) -> None:
 
     The same fit always gives the same bytes.
     """
-    trials, state = fit.trials, fit.state
+    trials, state = fit.problem.trials, fit.state
     arrays: dict[str, Any] = {
-        "method": np.array(fit.method),
+        "method": np.array(fit.problem.method.name),
         "channels": np.array([channel.name for channel in trials.channels]),
         "vocabulary": np.array(trials.vocabulary, dtype=np.str_),
         "words": trials.words,
@@ -105,7 +110,7 @@ def save(fit: Fit, path: Path) -> None:
         "F": state.F,
         "trace_log_joint": fit.trace_log_joint,
         "trace_used": fit.trace_used,
-        "sampler": np.array(json.dumps(fit.sampler, sort_keys=True)),
+        "sampler": np.array(json.dumps(fit.sampler.model_dump() | {"seed": fit.seed}, sort_keys=True)),
     }
     if fit.history is not None:
         arrays |= {"history_iteration": fit.history.iterations, "history_F": fit.history.F}
@@ -119,7 +124,7 @@ def save(fit: Fit, path: Path) -> None:
             # Not by a library's matrix product, whose last digits hang on its version and threads.
             f"Sigma_{channel.name}": np.einsum("kij,klj->kil", state.factor[c], state.factor[c]),
             f"theta_{channel.name}": np.exp(state.log_words[c]),
-            f"prior_{channel.name}": np.array(json.dumps(asdict(fit.priors[c]), sort_keys=True)),
+            f"prior_{channel.name}": np.array(json.dumps(fit.problem.priors[c].model_dump(), sort_keys=True)),
         }
         if fit.history is not None:
             arrays[f"history_z_{channel.name}"] = fit.history.z[c]
@@ -153,6 +158,8 @@ def load(path: Path) -> Fit:
 
 def _cholesky(covariance: Floats) -> Floats:
     """(K, dim, dim) lower Cholesky factors; rounding of a nearly singular covariance is no error."""
+    from model.distributions.triangular import factorise
+
     upper = np.triu(covariance)
     for matrix in upper:
         factorise(matrix, float(np.finfo(np.float64).tiny))
@@ -168,7 +175,9 @@ def _from_arrays(arrays: dict[str, Any]) -> Fit:
     names = [str(name) for name in arrays["channels"]]
     channels = tuple(Channel(name, arrays[f"features_{name}"], arrays[f"speaker_{name}"]) for name in names)
     vocabulary = tuple(str(word) for word in arrays["vocabulary"])
-    settings = [json.loads(str(arrays[f"prior_{name}"])) for name in names]
+    priors = tuple(Prior.model_validate_json(str(arrays[f"prior_{name}"])) for name in names)
+    settings = json.loads(str(arrays["sampler"]))
+    seed = settings.pop("seed")
     state = State(
         z=tuple(arrays[f"z_{name}"] for name in names),
         log_weights=tuple(_log(arrays[f"pi_{name}"]) for name in names),
@@ -181,13 +190,13 @@ def _from_arrays(arrays: dict[str, Any]) -> Fit:
     if "history_iteration" in arrays:
         z = tuple(arrays[f"history_z_{name}"] for name in names)
         history = History(arrays["history_iteration"], z, arrays["history_F"])
+    trials = Trials(channels, arrays["words"], arrays["word_trial"], vocabulary)
     return Fit(
-        trials=Trials(channels, arrays["words"], arrays["word_trial"], vocabulary),
-        method=str(arrays["method"]),
-        priors=tuple(Prior(**{**values, "box": tuple(values["box"])}) for values in settings),
+        problem=Problem(trials, METHODS[str(arrays["method"])], priors),
+        sampler=TypeAdapter(AnySampler).validate_python(settings),
         state=state,
         trace_log_joint=arrays["trace_log_joint"],
         trace_used=arrays["trace_used"],
-        sampler=json.loads(str(arrays["sampler"])),
+        seed=seed,
         history=history,
     )

@@ -1,51 +1,23 @@
-"""The methods as data: which channel may explain which word of a sentence."""
+"""Priors of frames: which channels may explain the words of a sentence, and how probable each frame F_d is."""
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import permutations, product
-from typing import Literal, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from model.data import Ints, Trials
-
-Rule = Literal["distinct", "independent", "every"]
-
-
-@dataclass(frozen=True)
-class Method:
-    """One of the compared methods (section 4.1 of the paper).
-
-    Attributes:
-        label: what tables call it.
-        rule: how a sentence's frame F_d is limited. `distinct`: each channel explains at most one word
-            (MEC-I and II), so F_d is an ordered choice of channels; `independent`: any channel for any word;
-            `every`: there is no F_d, each channel explains the whole sentence.
-    """
-
-    label: str
-    rule: Rule
-
-    @property
-    def has_frames(self) -> bool:
-        """Whether the words have an estimated channel, and so an EAR."""
-        return self.rule != "every"
-
-
-METHODS: dict[str, Method] = {
-    "proposed": Method("(A) proposed", "distinct"),
-    "no_mec2": Method("(B) w/o MEC-II", "independent"),
-    "mmlda": Method("(C) mMLDA", "every"),
-    # Without words all methods are the same four mixtures; the paper's reference ALL.
-    "gmm": Method("ALL", "every"),
-}
+from model.data import Flags, Floats, Ints, Trials
+from model.log_space import convolve_subsets, log_sum, subset_sizes
 
 
 class FrameList(NamedTuple):
-    """The frames that a rule allows, by the number of words: the methods as data for compiled code.
+    """The frames that a prior allows, by the number of words, for compiled code.
 
     Attributes:
         frames: (frames, longest) the channel of each word, −1 behind the last.
@@ -57,50 +29,182 @@ class FrameList(NamedTuple):
     bounds: Ints
 
 
-@lru_cache
-def distinct_frames(channels: int, words: int) -> Ints:
-    """The C!/(C−N)! frames of N words over C channels in which no channel occurs twice, (frames, N)."""
-    frames = list(permutations(range(channels), words))
-    return np.array(frames, dtype=np.int64).reshape(len(frames), words)
+@dataclass(frozen=True)
+class FramePrior(ABC):
+    """The prior of the frames of all sentences, each allowed frame of a sentence being as probable as any other.
 
+    Another prior overrides what differs: samplers, joint and tasks ask only here.
 
-@lru_cache
-def frame_list(rule: Rule, channels: int, longest: int) -> FrameList:
-    """The frames of 0 to `longest` words that a rule allows, each as probable as any other of its length.
-
-    Args:
-        rule: rule of the method; `every` has no frames.
-        channels: C.
-        longest: at most C for `distinct`.
+    Attributes:
+        has_frames: Whether the words have an estimated channel, and so an EAR.
     """
-    by_length = []
-    for words in range(longest + 1):
-        if rule == "distinct":
-            frames = distinct_frames(channels, words)
-        else:
-            rows = list(product(range(channels), repeat=words)) if rule == "independent" else []
-            frames = np.array(rows, dtype=np.int64).reshape(len(rows), words)
-        by_length.append(np.pad(frames, ((0, 0), (0, longest - words)), constant_values=-1))
-    bounds = np.cumsum([0, *(len(frames) for frames in by_length)])
-    return FrameList(np.ascontiguousarray(np.concatenate(by_length)), bounds.astype(np.int64))
 
+    has_frames: ClassVar[bool] = True
 
-def count_frames(rule: Rule, channels: int, words: int) -> float:
-    """The number of frames that λ allows for a sentence of N words; 1 where there is no frame."""
-    if rule == "distinct":
-        return float(math.perm(channels, words))
-    return float(channels) ** words if rule == "independent" else 1.0
+    @abstractmethod
+    def allowed(self, channels: int, words: int) -> Ints:
+        """Return the frames of N words over C channels, (frames, N)."""
 
+    @abstractmethod
+    def count(self, channels: int, words: int) -> float:
+        """Return 1/λ, the number of frames of N words over C channels; instructions may be longer than sentences."""
 
-def refuse_long_sentences(trials: Trials, rule: Rule) -> None:
-    """Raise ValueError for trials whose sentence no frame of the method can explain."""
-    if rule != "distinct":
-        return
-    limit = len(trials.channels)
-    long = np.flatnonzero(trials.sentence_lengths > limit)
-    if len(long):
-        named = ", ".join(str(d) for d in long[:5])
-        raise ValueError(
-            f"{len(long)} sentences have more than {limit} words (rows {named} of the trials), but the proposed "
-            f"method lets each of the {limit} channels explain one word only: shorten them or use no_mec2 or mmlda"
+    @abstractmethod
+    def joint_words(self, longest: int, most: int) -> int:
+        """Return how many words of a sentence are sampled together, given all others.
+
+        Args:
+            longest: Words of the longest sentence.
+            most: What the sampler takes at a time where the prior leaves it the choice.
+        """
+
+    def longest_sentence(self, channels: int) -> float:
+        """Return how many words a sentence of the trials may have."""
+        return math.inf
+
+    def listed(self, trials: Trials, most: int) -> FrameList:
+        """Return the allowed frames of the words that are sampled together, see `joint_words`."""
+        longest = max(1, int(trials.sentence_lengths.max()))
+        return _frame_list(self, len(trials.channels), self.joint_words(longest, most))
+
+    def draw(self, rng: np.random.Generator, trials: Trials) -> Ints:
+        """Draw F (T,) from the prior."""
+        lengths = trials.sentence_lengths
+        frames = {N: self.allowed(len(trials.channels), int(N)) for N in np.unique(lengths)}
+        chosen = [frames[N][rng.integers(len(frames[N]))] for N in lengths if N > 0]
+        return np.concatenate([np.empty(0, dtype=np.int64), *chosen])
+
+    def log_probability(self, trials: Trials, F: Ints) -> float:
+        """Return log p(F) of allowed frames (T,), equation (1)."""
+        lengths, sentences = np.unique(trials.sentence_lengths, return_counts=True)
+        return -sum(
+            int(n) * float(np.log(self.count(len(trials.channels), int(N))))
+            for N, n in zip(lengths, sentences, strict=True)
         )
+
+    def explained(self, trials: Trials, F: Ints, c: int) -> Flags:
+        """Return (T,) whether channel c explains each word."""
+        return F == c
+
+    def log_scores(self, action: Floats, objects: Sequence[Floats], W: int) -> Floats:
+        """Sum over the frames of an instruction, equations (26) to (28).
+
+        The sum is a convolution over subsets of the words, so that frames need not be listed.
+
+        Args:
+            action: (K, 2^N) log probability of each subset of the words under each action category.
+            objects: For each object channel (M, 2^N), the same under the objects.
+            W: Size of the vocabulary.
+
+        Returns:
+            (M, K) log Σ_f λ_f G_a(S_a) G_p(S_p) …, where f sends the words S_x to channel x.
+        """
+        sizes = subset_sizes(action.shape[1])
+        channels, words = 1 + len(objects), int(sizes[-1])
+        total = np.tile(self._log_unexplained(sizes, channels, W), (len(objects[0]), 1))
+        for sets in objects:
+            total = convolve_subsets(total, self._within_limit(sets, sizes))
+        complement = len(sizes) - 1 - np.arange(len(sizes))
+        scores = log_sum(total[:, None, complement] + self._within_limit(action, sizes)[None])[..., 0]
+        return np.asarray(scores - np.log(self.count(channels, words)))
+
+    def _log_unexplained(self, sizes: Ints, channels: int, W: int) -> Floats:
+        """Return (2^N,) the log probability of each subset of the words if no channel explains it."""
+        return np.where(sizes == 0, 0.0, -np.inf)
+
+    def _within_limit(self, sets: Floats, sizes: Ints) -> Floats:
+        """Return the sets (rows, 2^N) with −inf for those that are too large for one channel."""
+        return sets
+
+
+class Distinct(FramePrior):
+    """Each channel explains at most one word (MEC-I and II): F_d is an ordered choice of channels."""
+
+    def allowed(self, channels: int, words: int) -> Ints:
+        """Return the C!/(C − N)! frames in which no channel occurs twice."""
+        return _as_rows(permutations(range(channels), words), words)
+
+    def count(self, channels: int, words: int) -> float:
+        """Return how many ways there are to pair words and channels until one of the two is used up."""
+        return float(math.perm(max(channels, words), min(channels, words)))
+
+    def joint_words(self, longest: int, most: int) -> int:
+        """Return the whole sentence: its words exclude each other's channels."""
+        return longest
+
+    def longest_sentence(self, channels: int) -> float:
+        """Return one word per channel."""
+        return channels
+
+    def _log_unexplained(self, sizes: Ints, channels: int, W: int) -> Floats:
+        # Words beyond one per channel are explained by none, and have probability 1/W each.
+        surplus = max(int(sizes[-1]) - channels, 0)
+        return np.where(sizes == surplus, -surplus * np.log(max(W, 1)), -np.inf)
+
+    def _within_limit(self, sets: Floats, sizes: Ints) -> Floats:
+        return np.where(sizes <= 1, sets, -np.inf)
+
+
+class Independent(FramePrior):
+    """Any channel explains any word."""
+
+    def allowed(self, channels: int, words: int) -> Ints:
+        """Return all C^N frames."""
+        return _as_rows(product(range(channels), repeat=words), words)
+
+    def count(self, channels: int, words: int) -> float:
+        """Return C^N."""
+        return float(channels) ** words
+
+    def joint_words(self, longest: int, most: int) -> int:
+        """Return what the sampler chooses: the prior factorises, so that long sentences are never listed."""
+        return min(longest, most)
+
+    def draw(self, rng: np.random.Generator, trials: Trials) -> Ints:
+        """Draw F (T,), word by word."""
+        return rng.integers(len(trials.channels), size=len(trials.word_trial))
+
+
+class Every(FramePrior):
+    """There is no F_d: each channel explains the whole sentence."""
+
+    has_frames = False
+
+    def allowed(self, channels: int, words: int) -> Ints:
+        """Return no frame."""
+        return np.empty((0, words), dtype=np.int64)
+
+    def count(self, channels: int, words: int) -> float:
+        """Return 1."""
+        return 1.0
+
+    def joint_words(self, longest: int, most: int) -> int:
+        """Return any number: nothing is sampled."""
+        return min(longest, most)
+
+    def draw(self, rng: np.random.Generator, trials: Trials) -> Ints:
+        """Return an empty F."""
+        return np.empty(0, dtype=np.int64)
+
+    def explained(self, trials: Trials, F: Ints, c: int) -> Flags:
+        """Return (T,) that channel c explains each word."""
+        return np.ones(len(trials.word_trial), dtype=np.bool_)
+
+    def log_scores(self, action: Floats, objects: Sequence[Floats], W: int) -> Floats:
+        """Return (M, K) the log probability of all words under every channel."""
+        everything = sum((sets[:, -1] for sets in objects), np.zeros(len(objects[0])))
+        return np.asarray(everything[:, None] + action[:, -1])
+
+
+@lru_cache
+def _frame_list(prior: FramePrior, channels: int, longest: int) -> FrameList:
+    """List the frames of 0 to `longest` words."""
+    by_length = [prior.allowed(channels, words) for words in range(longest + 1)]
+    padded = [np.pad(rows, ((0, 0), (0, longest - rows.shape[1])), constant_values=-1) for rows in by_length]
+    bounds = np.cumsum([0, *map(len, by_length)])
+    return FrameList(np.ascontiguousarray(np.concatenate(padded)), bounds.astype(np.int64))
+
+
+def _as_rows(frames: permutations[int] | product[int], words: int) -> Ints:
+    rows = list(frames)
+    return np.array(rows, dtype=np.int64).reshape(len(rows), words)

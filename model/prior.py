@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+Positive = Annotated[float, Field(gt=0)]
 
 
 class GaussianPrior(NamedTuple):
@@ -12,63 +14,55 @@ class GaussianPrior(NamedTuple):
 
     Attributes:
         mean: m0, the same in every dimension.
-        strength: κ0.
+        mean_precision: κ0.
         scale: V0 = scale · I.
-        freedom: ν0.
+        degrees_of_freedom: ν0.
     """
 
     mean: float
-    strength: float
+    mean_precision: float
     scale: float
-    freedom: float
+    degrees_of_freedom: float
 
 
-@dataclass(frozen=True)
-class Prior:
+class Prior(BaseModel):
     """Hyperparameters of one channel, the paper's values as defaults (section 4.2.1).
 
-    Attributes:
-        categories: K, upper limit of the number of categories (weak limit).
-        concentration: α of the mixture weights.
-        mean: m0, the same number in every dimension.
-        mean_strength: κ0, pseudo-observations behind m0.
-        scale: V0 = scale · I.
-        extra_freedom: ν0 − dim, more than −1.
-        word_concentration: γ of the word distributions.
-        box: interval from which the mean of an empty category is drawn where
-            `empty_category` is `uniform`.
+    Raises:
+        ValueError: Values are out of range; all of them are named at once.
     """
 
-    categories: int = 10
-    concentration: float = 1.0
-    mean: float = 0.0
-    mean_strength: float = 0.001
-    scale: float = 0.01
-    extra_freedom: float = 2.0
-    word_concentration: float = 0.1
-    box: tuple[float, float] = (0.0, 1.0)
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    categories: int = Field(
+        default=10, ge=1, le=1000, description="K, upper limit of the number of categories (weak limit)"
+    )
+    concentration: Positive = Field(default=1.0, description="α of the mixture weights")
+    mean: float = Field(
+        default=0.0, description="m0, the mean of the categories' means, the same number in every dimension"
+    )
+    mean_precision: Positive = Field(default=0.001, description="κ0, the pseudo-observations behind m0")
+    scale: Positive = Field(default=0.01, description="V0 = scale · I, the spread that the Gaussians expect")
+    extra_degrees_of_freedom: float = Field(default=2.0, gt=-1, description="ν0 − dim")
+    word_concentration: Positive = Field(default=0.1, description="γ of the word distributions")
+    box: tuple[float, float] = Field(
+        default=(0.0, 1.0),
+        strict=False,
+        description="interval from which the means of empty categories are drawn where `empty_category` is `uniform`",
+    )
+
+    @field_validator("box")
+    @classmethod
+    def _in_order(cls, box: tuple[float, float]) -> tuple[float, float]:
+        if box[0] > box[1]:
+            raise ValueError("the smaller number comes first")
+        return box
 
     def gaussian(self, dim: int) -> GaussianPrior:
-        """The prior of the Gaussians of a channel with features of `dim` numbers."""
+        """Return the prior of the Gaussians of a channel with features of `dim` numbers."""
         return GaussianPrior(
-            float(self.mean), float(self.mean_strength), float(self.scale), float(dim + self.extra_freedom)
+            float(self.mean),
+            float(self.mean_precision),
+            float(self.scale),
+            float(dim + self.extra_degrees_of_freedom),
         )
-
-    def __post_init__(self) -> None:
-        low, high = self.box
-        wrong = [
-            f"{name} = {value} (must be {allowed})"
-            for name, value, allowed, fine in (
-                ("categories", self.categories, "at least 1", self.categories >= 1),
-                ("concentration", self.concentration, "positive", 0 < self.concentration < math.inf),
-                ("mean", self.mean, "finite", math.isfinite(self.mean)),
-                ("mean_strength", self.mean_strength, "positive", 0 < self.mean_strength < math.inf),
-                ("scale", self.scale, "positive", 0 < self.scale < math.inf),
-                ("extra_freedom", self.extra_freedom, "more than -1", -1 < self.extra_freedom < math.inf),
-                ("word_concentration", self.word_concentration, "positive", 0 < self.word_concentration < math.inf),
-                ("box", self.box, "two finite numbers, the smaller first", -math.inf < low <= high < math.inf),
-            )
-            if not fine
-        ]
-        if wrong:
-            raise ValueError("hyperparameters: " + "; ".join(wrong))

@@ -13,7 +13,7 @@ from filelock import FileLock
 
 from data_collection.episode import calibrate, collect
 from data_collection.log.mcap_log import Log, read_log, write_log
-from data_collection.settings import Simulation
+from data_collection.simulation_settings import Simulation
 from tests.workflow.runs import SMOKE, run
 
 STUDY = Path(__file__).parents[1] / "config" / "config.yaml"
@@ -23,7 +23,7 @@ TRIALS = 200
 def simulation_of(experiment: str) -> Simulation:
     """The simulation of an experiment of the study."""
     config = yaml.safe_load(STUDY.read_text(encoding="utf-8"))
-    return Simulation.from_mapping(config["experiments"][experiment].get("simulation", {}))
+    return Simulation.model_validate(config["experiments"][experiment].get("simulation", {}))
 
 
 @dataclass(frozen=True)

@@ -98,7 +98,8 @@ def write_own_study(folder: Path, truth: bool = True, **changes: object) -> Path
         "ROW": [0, 40],
         "seeds": 2,
     }
-    config = {"iterations": 30, "methods": ["proposed", "mmlda"], "experiments": {"own": own | changes}}
+    samplers = {"published": {"kind": "blocked", "iterations": 30}}
+    config = {"samplers": samplers, "methods": ["proposed", "mmlda"], "experiments": {"own": own | changes}}
     path = folder / "config.yaml"
     path.write_text(yaml.safe_dump(config, sort_keys=False))
     return path

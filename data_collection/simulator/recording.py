@@ -11,7 +11,7 @@ from data_collection.joints import JOINT_NAMES, TACTILE_NAMES
 from data_collection.log import channels
 from data_collection.log.mcap_log import Message
 from data_collection.log.messages import Floats, Image, JointState, Transform, Value
-from data_collection.settings import Simulation
+from data_collection.simulation_settings import Simulation
 from data_collection.simulator import hand_model, robot_model, scene
 from data_collection.simulator.camera import expose
 from data_collection.simulator.kinematics import Kinematics

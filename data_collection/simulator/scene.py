@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from data_collection.apparatus import Camera, Color, Light, Table
+from data_collection.apparatus import Camera, Light, Table
 from data_collection.log.messages import Floats, Image
 from data_collection.shapes import Mesh, Shape, build, wavefront
+from data_collection.strict_model import Color
 from data_collection.task import Placed
 
 LOGGER = logging.getLogger(__name__)

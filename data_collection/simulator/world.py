@@ -9,7 +9,7 @@ import numpy as np
 
 from data_collection.log import channels
 from data_collection.log.messages import Floats, Image
-from data_collection.settings import Simulation
+from data_collection.simulation_settings import Simulation
 from data_collection.simulator import hand_model, robot_model, scene
 from data_collection.simulator.inverse_kinematics import look, reach
 from data_collection.simulator.kinematics import HAND, Kinematics, rotation

@@ -4,7 +4,7 @@ import pytest
 
 from data_collection.episode import calibrate, collect, execute
 from data_collection.log.mcap_log import Log
-from data_collection.settings import Simulation
+from data_collection.simulation_settings import Simulation
 from data_collection.task import Command
 from tests.conftest import simulation_of
 

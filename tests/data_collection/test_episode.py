@@ -16,7 +16,7 @@ from data_collection.log import channels
 from data_collection.log.mcap_log import Log, LogError, read_log, write_log
 from data_collection.log.messages import JointState
 from data_collection.log.trial import observation, truth
-from data_collection.settings import Simulation
+from data_collection.simulation_settings import Simulation
 from data_collection.simulator.world import World
 from data_collection.task import Command, Placed
 from tests.conftest import Simulated, simulation_of

@@ -5,7 +5,7 @@ import pytest
 
 from data_collection.joints import JOINT_NAMES
 from data_collection.seeding import generator
-from data_collection.settings import Simulation
+from data_collection.simulation_settings import Simulation
 from data_collection.simulator import hand_model, robot_model
 from data_collection.simulator.inverse_kinematics import look, reach
 from data_collection.simulator.kinematics import HAND, HEAD, REACH, Kinematics, rotation

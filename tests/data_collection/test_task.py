@@ -8,8 +8,8 @@ import pytest
 from data_collection import task
 from data_collection.episode import _instruction
 from data_collection.seeding import generator
-from data_collection.settings import ACTIONS, Simulation
 from data_collection.shapes import build
+from data_collection.simulation_settings import ACTIONS, Simulation
 from data_collection.task import Outcome, Placed
 
 NOTHING = Outcome(0.3, False, 0.0, 0.5, False, 0.0, 0.001, ())
@@ -69,7 +69,7 @@ def test_instructed_object_is_not_always_at_the_same_index() -> None:
 
 
 def test_no_room_is_an_error() -> None:
-    simulation = Simulation.from_mapping(
+    simulation = Simulation.model_validate(
         {"places": {"a": [0.3, 0.0], "b": [0.31, 0.0], "c": [0.3, 0.01]}, "place_spread": 0.0}
     )
     with pytest.raises(ValueError, match="no room"):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from data_collection.log.messages import Floats
-from data_collection.settings import Simulation
 from data_collection.shapes import build
+from data_collection.simulation_settings import Simulation
 from data_collection.simulator import robot_model
 from data_collection.simulator.scene import intrinsics
 from data_collection.simulator.world import World

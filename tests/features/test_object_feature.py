@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from features import object_feature
+from features.extraction_settings import FeatureSettings
 from features.object_feature import WeightsError, fc6, network_input, weights_provenance
-from features.settings import FeatureSettings
 
 SEEDED = FeatureSettings()
 
@@ -81,7 +81,7 @@ def test_the_number_of_threads_does_not_show(crops: tuple[np.ndarray, np.ndarray
 
 def test_weights_follow_their_seed(crops: tuple[np.ndarray, np.ndarray]) -> None:
     images, masks = crops
-    other = FeatureSettings.from_mapping({"weights_seed": 1})
+    other = FeatureSettings.model_validate({"weights_seed": 1})
     assert not np.array_equal(fc6(images, masks, other), fc6(images, masks, SEEDED))
 
 
@@ -112,7 +112,7 @@ def test_weights_of_a_file(tmp_path: Path, crops: tuple[np.ndarray, np.ndarray])
 
     path = tmp_path / "weights.pt"
     torch.save(state(), path)
-    settings = FeatureSettings.from_mapping({"weights": str(path), "appearance": "rgb"})
+    settings = FeatureSettings.model_validate({"weights": str(path), "appearance": "rgb"})
     values = fc6(*crops, settings)
     assert np.ptp(values, axis=1).max() == 0  # all weights alike, so all units
     assert values.max() > 0
@@ -148,7 +148,7 @@ def test_unfit_weights_are_refused(
     elif change == "pickle":
         torch.save(Path("/"), path)  # an object that a state dict has no use for
     with pytest.raises(WeightsError, match=message):
-        fc6(*crops, FeatureSettings.from_mapping({"weights": str(path)}))
+        fc6(*crops, FeatureSettings.model_validate({"weights": str(path)}))
 
 
 def test_published_weights_offline_say_what_to_do(
@@ -162,7 +162,7 @@ def test_published_weights_offline_say_what_to_do(
     loader = object_feature._torchvision_models().AlexNet_Weights.__mro__[1].__module__
     monkeypatch.setattr(sys.modules[loader], "load_state_dict_from_url", offline)
     with pytest.raises(WeightsError, match=r"weights imagenet1k cannot be loaded.*no route.*weights: seeded"):
-        fc6(*crops, FeatureSettings.from_mapping({"weights": "imagenet1k"}))
+        fc6(*crops, FeatureSettings.model_validate({"weights": "imagenet1k"}))
 
 
 def test_heavy_packages_are_imported_only_where_they_are_used() -> None:

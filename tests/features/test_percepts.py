@@ -13,16 +13,16 @@ import pytest
 from data_collection.log import channels, codec
 from data_collection.log.mcap_log import Log, LogError, read_log, write_log
 from features.arrays import ArtifactError
+from features.extraction_settings import FeatureSettings
 from features.percept_data import Percepts, first, join, load_percepts, save_percepts
 from features.percepts import DetectionError, perceive
-from features.settings import FeatureSettings
 from features.transforms import relative_hand
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 SETTINGS = FeatureSettings()
-DROP = FeatureSettings.from_mapping({"detection": {"on_wrong_count": "drop"}})
+DROP = FeatureSettings.model_validate({"detection": {"on_wrong_count": "drop"}})
 
 
 def same(one: Percepts, other: Percepts, *, but: tuple[str, ...] = ()) -> bool:

@@ -16,9 +16,9 @@ from sklearn.neighbors import KNeighborsClassifier, NearestCentroid
 
 from data_collection.log.mcap_log import read_log
 from data_collection.log.trial import Truth, truth
+from features.extraction_settings import FeatureSettings
 from features.percept_data import Percepts
 from features.percepts import perceive
-from features.settings import FeatureSettings
 from features.table import FeatureTable
 from features.transforms import apply, fit_transforms
 from tests.conftest import Simulated
@@ -60,7 +60,7 @@ def measured(simulated: Simulated) -> Measured:
     expected = EXPECTED[simulated.experiment]
     logs = [read_log(path) for path in simulated.trials()]
     known = {int(log.metadata["trial"]): truth(log) for log in logs}
-    settings = FeatureSettings.from_mapping(
+    settings = FeatureSettings.model_validate(
         {"components": expected.components, "detection": {"on_wrong_count": "drop"}}
     )
     percepts = perceive(logs, simulated.calibration(), settings)
@@ -127,7 +127,7 @@ import json, sys, time
 from pathlib import Path
 from data_collection.log.mcap_log import read_log
 from features.percepts import perceive
-from features.settings import FeatureSettings
+from features.extraction_settings import FeatureSettings
 from features.transforms import apply, fit_transforms
 
 folder, settings = Path(sys.argv[1]), FeatureSettings()

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from features.arrays import ArtifactError
+from features.extraction_settings import FeatureSettings
 from features.overview import overview
 from features.percept_data import Percepts, first
 from features.percepts import perceive
-from features.settings import FeatureSettings
 from features.table import read_metadata, read_table, write_table
 from features.transforms import (
     apply,
@@ -29,7 +29,7 @@ from features.transforms import (
 if TYPE_CHECKING:
     from pathlib import Path
 
-SETTINGS = FeatureSettings.from_mapping({"components": 6, "colors": 5})
+SETTINGS = FeatureSettings.model_validate({"components": 6, "colors": 5})
 
 
 @pytest.fixture(scope="module")

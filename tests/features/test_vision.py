@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from features.detection import CROP_SIZE, Found, crop, detect, without_rim
+from features.extraction_settings import Detection
 from features.homography import CalibrationError, find_marks, fit_camera, to_pixels, to_table
 from features.position import standing_position
-from features.settings import Detection
 
 NO_DISTORTION = np.zeros(0)
 SETTINGS = Detection()

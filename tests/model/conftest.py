@@ -31,7 +31,7 @@ def trials(rng: np.random.Generator) -> Trials:
 def priors() -> tuple[Prior, ...]:
     """A different, moderate prior for each of the three channels."""
     return (
-        Prior(categories=3, mean_strength=0.5, scale=0.5, extra_freedom=3.0),
-        Prior(categories=4, mean_strength=0.2, scale=0.3, concentration=2.0, mean=0.3),
-        Prior(categories=2, mean_strength=1.0, scale=1.0, word_concentration=0.7),
+        Prior(categories=3, mean_precision=0.5, scale=0.5, extra_degrees_of_freedom=3.0),
+        Prior(categories=4, mean_precision=0.2, scale=0.3, concentration=2.0, mean=0.3),
+        Prior(categories=2, mean_precision=1.0, scale=1.0, word_concentration=0.7),
     )

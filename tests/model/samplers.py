@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from model import Prior, Settings, State, Trials, blocked, collapsed
-from model import conditionals as given
+from model.kernels import conditionals as given
 from model.data import Floats, Ints
-from model.distributions import count_log_marginal
+from model.distributions.dirichlet import count_log_marginal
 from model.frames import METHODS
-from model.gaussian_densities import gaussian_log_marginal
-from model.gaussians import gaussian_posterior
+from model.distributions.gaussian_densities import gaussian_log_marginal
+from model.distributions.gaussians import gaussian_posterior
 from model.joint import draw_data, draw_frames_prior, draw_parameters
 from model.state import Partition
 from tests.synthetic import trials_of_model
@@ -141,7 +141,7 @@ BROKEN: dict[str, dict[str, tuple[Any, str, Breaker]]] = {
         "z mishears": (given, "assignment_log_weights", _mishears),
         "π with another α": (given, "draw_weights", _with_prior(concentration=4.0)),
         "φ with another V0": (given, "draw_categories", _with_prior(scale=1.5)),
-        "φ with another κ0": (given, "draw_categories", _with_prior(mean_strength=3.0)),
+        "φ with another κ0": (given, "draw_categories", _with_prior(mean_precision=3.0)),
         "F is deaf": (given, "draw_frames", _frames_at_random),
         "θ never learns": (given, "word_concentration", _without_counts),
     },

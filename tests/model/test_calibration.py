@@ -14,8 +14,8 @@ from tests.model.stat_asserts import uniform_p_value
 
 DESIGN = tiny_trials([1, 2, 1], [2, 2, 1], W=3)
 PRIORS = (
-    Prior(categories=2, mean_strength=0.3, scale=0.5, extra_freedom=3.0, word_concentration=0.3),
-    Prior(categories=2, mean_strength=0.5, scale=0.3, extra_freedom=4.0, word_concentration=0.3, concentration=2.0),
+    Prior(categories=2, mean_precision=0.3, scale=0.5, extra_degrees_of_freedom=3.0, word_concentration=0.3),
+    Prior(categories=2, mean_precision=0.5, scale=0.3, extra_degrees_of_freedom=4.0, word_concentration=0.3, concentration=2.0),
 )
 DRAWS, THIN, BURN_IN = 31, 5, 60
 # The smallest p-value over about thirty quantities that a right sampler may show.

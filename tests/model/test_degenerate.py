@@ -46,9 +46,9 @@ some_priors = st.builds(
     Prior,
     categories=st.sampled_from([1, 2, 10]),
     concentration=st.sampled_from([1e-3, 1.0, 100.0]),
-    mean_strength=st.sampled_from([1e-6, 0.001, 10.0]),
+    mean_precision=st.sampled_from([1e-6, 0.001, 10.0]),
     scale=st.sampled_from([1e-6, 0.01, 1.0]),
-    extra_freedom=st.sampled_from([-0.99, 0.0, 2.0, 50.0]),
+    extra_degrees_of_freedom=st.sampled_from([-0.99, 0.0, 2.0, 50.0]),
     word_concentration=st.sampled_from([1e-6, 0.1, 10.0]),
 )
 

@@ -9,8 +9,8 @@ from scipy import stats
 from model import Prior, gaussian_densities, gaussians
 from model import distributions as law
 from model.data import Floats, Ints
-from model.gaussians import GaussianInverseWishart
-from model.predictive import student_constant, student_log_density
+from model.distributions.gaussians import GaussianInverseWishart
+from model.distributions.predictive import student_constant, student_log_density
 
 
 def posterior_of(prior: Prior, features: Floats, z: Ints) -> GaussianInverseWishart:
@@ -24,7 +24,7 @@ def scale_of(posterior: GaussianInverseWishart, k: int) -> Floats:
 @pytest.mark.parametrize("dim", [1, 2, 5])
 def test_giw_density_is_scipys(dim: int) -> None:
     rng = np.random.default_rng(dim)
-    prior = Prior(categories=3, mean=0.2, mean_strength=0.7, scale=0.4, extra_freedom=1.5)
+    prior = Prior(categories=3, mean=0.2, mean_precision=0.7, scale=0.4, extra_degrees_of_freedom=1.5)
     features, z = rng.normal(size=(9, dim)), np.array([0, 0, 0, 0, 0, 2, 2, 2, 2])
     posterior = posterior_of(prior, features, z)
     mean, factor = gaussians.draw_gaussians(rng, posterior, 1)
@@ -41,7 +41,7 @@ def test_giw_density_is_scipys(dim: int) -> None:
 def test_posterior_is_that_of_the_specification() -> None:
     """V_n by its formula, written out with plain sums."""
     rng = np.random.default_rng(5)
-    prior = Prior(categories=2, mean=0.5, mean_strength=0.3, scale=0.2)
+    prior = Prior(categories=2, mean=0.5, mean_precision=0.3, scale=0.2)
     x = rng.normal(size=(6, 3))
     posterior = posterior_of(prior, x, np.ones(6, dtype=np.int64))
     m0, kappa, n = np.full(3, 0.5), 0.3, 6
@@ -57,7 +57,7 @@ def test_posterior_is_that_of_the_specification() -> None:
 @pytest.mark.parametrize("dim", [1, 3])
 def test_drawn_gaussians_have_the_moments_of_the_distribution(dim: int) -> None:
     rng = np.random.default_rng(3)
-    prior = Prior(categories=20_000, mean=1.0, mean_strength=4.0, scale=0.6, extra_freedom=8.0)
+    prior = Prior(categories=20_000, mean=1.0, mean_precision=4.0, scale=0.6, extra_degrees_of_freedom=8.0)
     mean, factor = gaussians.draw_gaussians(rng, posterior_of(prior, np.empty((0, dim)), np.empty(0, np.int64)), 1)
     sigma = factor @ factor.transpose(0, 2, 1)
     expected = 0.6 / (dim + 8.0 - dim - 1) * np.eye(dim)
@@ -73,7 +73,7 @@ def test_drawn_gaussians_have_the_moments_of_the_distribution(dim: int) -> None:
 
 
 def test_averaged_draws_narrow_the_mean_only() -> None:
-    prior = Prior(categories=20_000, mean_strength=1.0, extra_freedom=8.0)
+    prior = Prior(categories=20_000, mean_precision=1.0, extra_degrees_of_freedom=8.0)
     posterior = posterior_of(prior, np.empty((0, 1)), np.empty(0, np.int64))
     one, factor_one = gaussians.draw_gaussians(np.random.default_rng(1), posterior, 1)
     many, factor_many = gaussians.draw_gaussians(np.random.default_rng(1), posterior, 100)
@@ -117,7 +117,7 @@ def test_averaged_log_dirichlet_is_the_log_of_the_mean() -> None:
 @pytest.mark.parametrize("dim", [1, 3, 7])
 def test_predictive_density_is_scipys_student(dim: int) -> None:
     rng = np.random.default_rng(dim)
-    prior = Prior(categories=2, mean=0.2, mean_strength=0.7, scale=0.4, extra_freedom=1.5)
+    prior = Prior(categories=2, mean=0.2, mean_precision=0.7, scale=0.4, extra_degrees_of_freedom=1.5)
     posterior = posterior_of(prior, rng.normal(size=(9, dim)), np.zeros(9, dtype=np.int64))
     point, kappa, nu = rng.normal(size=dim), posterior.strength[0], posterior.freedom[0]
     shape = scale_of(posterior, 0) * (kappa + 1) / (kappa * (nu - dim + 1))

@@ -15,7 +15,7 @@ from model.joint import log_marginal_joint
 from tests.model.samplers import BROKEN, SAMPLERS, tiny_trials
 from tests.model.stat_asserts import LIMIT, assert_means, distances
 
-PRIORS = (Prior(categories=2, mean_strength=0.5, scale=0.5, extra_freedom=3.0, word_concentration=0.3),) * 2
+PRIORS = (Prior(categories=2, mean_precision=0.5, scale=0.5, extra_degrees_of_freedom=3.0, word_concentration=0.3),) * 2
 
 
 @pytest.fixture

@@ -93,7 +93,7 @@ def test_collapsed_fit_ends_with_posterior_means(trials: Trials, priors: tuple[P
         concentration = conditionals.word_concentration(trials, c, prior, state.z[c], explained)
         words = [np.exp(conditionals.draw_words(rng, concentration)) for _ in range(4000)]
         assert np.mean(words, axis=0) == pytest.approx(np.exp(state.log_words[c]), abs=0.03)
-        stiff = replace(prior, extra_freedom=40.0)
+        stiff = replace(prior, extra_degrees_of_freedom=40.0)
         partition = Partition(state.z, state.F)
         means = collapsed.posterior_means(trials, "proposed", (stiff,) * 3, partition)
         draws = [conditionals.draw_categories(rng, stiff, channel, state.z[c], Settings()) for _ in range(4000)]
@@ -103,7 +103,7 @@ def test_collapsed_fit_ends_with_posterior_means(trials: Trials, priors: tuple[P
 
 
 def test_parameters_stay_finite_where_no_mean_exists(trials: Trials) -> None:
-    prior = Prior(extra_freedom=0.5)
+    prior = Prior(extra_degrees_of_freedom=0.5)
     state = fit(trials, "proposed", np.random.default_rng(0), prior, iterations=2, inference="collapsed").state
     assert all(np.all(np.isfinite(array)) for array in arrays_of(state))
 
@@ -155,9 +155,9 @@ def test_wrong_arrays_are_all_named() -> None:
     with pytest.raises(ValueError, match=r"action are not all finite \(row 1\)"):
         Trials.from_arrays(np.array([[0.0], [np.nan]]), {"color": np.zeros((2, 1))}, [0, 1], [0, 0], [[], []])
     with pytest.raises(
-        ValueError, match=r"hyperparameters: mean = inf.*scale = 0.*extra_freedom = -1.*box = \(1, 0\)"
+        ValueError, match=r"hyperparameters: mean = inf.*scale = 0.*extra_degrees_of_freedom = -1.*box = \(1, 0\)"
     ):
-        Prior(mean=np.inf, scale=0, extra_freedom=-1, box=(1, 0))
+        Prior(mean=np.inf, scale=0, extra_degrees_of_freedom=-1, box=(1, 0))
     with pytest.raises(ValueError, match="averaged_draws = 0"):
         Settings(averaged_draws=0)
 

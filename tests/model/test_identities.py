@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from model import Prior, Settings, State, Trials, collapsed
-from model import conditionals as given
-from model.collapsed_assignments import Elements, channel_statistics, sweep
+from model.kernels import conditionals as given
+from model.kernels.collapsed_assignments import Elements, channel_statistics, sweep
 from model.data import Floats
 from model.joint import draw_frames_prior, draw_parameters, log_joint, log_marginal_joint
 

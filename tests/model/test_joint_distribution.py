@@ -17,8 +17,8 @@ from tests.model.stat_asserts import LIMIT, assert_means, assert_same_law, dista
 
 # The chain of states and data does not move with κ0 = 0.001: the data keep the means, and these keep the data.
 MOVING = (
-    Prior(categories=3, mean_strength=0.8, scale=0.5, extra_freedom=3.0, word_concentration=0.3),
-    Prior(categories=2, mean_strength=1.0, scale=0.3, extra_freedom=4.0, word_concentration=0.4, concentration=2.0),
+    Prior(categories=3, mean_precision=0.8, scale=0.5, extra_degrees_of_freedom=3.0, word_concentration=0.3),
+    Prior(categories=2, mean_precision=1.0, scale=0.3, extra_degrees_of_freedom=4.0, word_concentration=0.4, concentration=2.0),
 )
 PAPER = (Prior(),) * 2
 DESIGN = tiny_trials([1, 2, 1], [2, 2, 1], W=3)

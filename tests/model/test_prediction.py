@@ -12,7 +12,7 @@ from scipy.special import logsumexp
 
 from model import METHODS, Fit, Prior, Trials, fit, load, save
 from model.data import Floats
-from model.gaussian_densities import gaussian_log_density
+from model.distributions.gaussian_densities import gaussian_log_density
 from model.prediction import LONGEST_INSTRUCTION, Answer, describe, responsibilities, understand
 
 METHOD_NAMES = ["proposed", "no_mec2", "mmlda"]
@@ -21,7 +21,7 @@ METHOD_NAMES = ["proposed", "no_mec2", "mmlda"]
 @pytest.fixture(params=METHOD_NAMES)
 def learned(request: pytest.FixtureRequest, trials: Trials) -> Fit:
     """A fit of three channels: action, position, color."""
-    priors = [Prior(categories=K, mean_strength=0.5, scale=0.5) for K in (3, 2, 4)]
+    priors = [Prior(categories=K, mean_precision=0.5, scale=0.5) for K in (3, 2, 4)]
     return fit(trials, request.param, np.random.default_rng(3), priors=priors, iterations=10)
 
 

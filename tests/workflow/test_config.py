@@ -13,18 +13,27 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
+from jsonschema import Draft202012Validator
+from pydantic import ValidationError
 
 from data_collection.limits import NAME_PATTERN, NAME_RULE, PATH_PATTERN, WORD_PATTERN, WORD_RULE
 from evaluation.catalogue import FIGURES
 from tests.fuzz import FEW, MANY, MUTATIONS, Mutation, examples, mutated
 from tests.synthetic import WORDS
 from tests.workflow.configs import FILE, minimal
-from tests.workflow.violations import Breaker
-from workflow.plan.config import SCHEMAS, ConfigError, key_path, read_config, schema_problems
+from tests.workflow.violations import broken, sample
+from workflow.artifacts.provenance import ROOT
+from workflow.plan import messages
+from workflow.plan.config import ConfigError, read_config
 from workflow.plan.loading import load_study, plan
+from workflow.plan.messages import key_path
+from workflow.plan.schema import config_schema, inner
+from workflow.plan.study_config import StudyConfig
 
-GOOD = (SCHEMAS.parent.parent / "config" / "smoke.yaml").read_bytes()
-KEYS = sorted(json.loads((SCHEMAS / "config.schema.json").read_text())["$defs"]["experiment"]["properties"])
+GOOD = (ROOT / "config" / "smoke.yaml").read_bytes()
+EXPERIMENT = inner(inner(config_schema(), "experiments"), "own")
+KEYS = sorted(EXPERIMENT["properties"])
+SAMPLERS = inner(inner(config_schema(), "samplers"), "own")["discriminator"]["mapping"]
 OVERRIDES: dict[str, Any] = {
     "words": WORDS,
     "K": {"action": 3, "position": 4, "object": 5, "color": 6},
@@ -32,14 +41,18 @@ OVERRIDES: dict[str, Any] = {
         "small_alpha": {
             "alpha": 0.1,
             "gamma": {"action": 0.2},
-            "kappa0": 0.1,
-            "V0": 0.5,
-            "nu0_minus_dim": 3.0,
+            "mean_precision": 0.1,
+            "scale": 0.5,
+            "extra_degrees_of_freedom": 3.0,
             "K": 7,
-            "only": {"methods": ["proposed"], "D": [20], "ROW": [0]},
+            "only": {"methods": ["proposed"], "samplers": ["slow"], "D": [20], "ROW": [0]},
         }
     },
-    "figure": {"variant": "small_alpha", "method": "proposed", "D": 20, "ROW": 0},
+    "figure": {"variant": "small_alpha", "method": "proposed", "sampler": "slow", "D": 20, "ROW": 0},
+    "samplers": {
+        kind: sample({"$ref": f"#/$defs/{kind.capitalize()}"}, {}) | {"kind": kind}
+        for kind in ("blocked", "collapsed")
+    },
     "data": "simulator",
     "trials": 40,
     "D": [20],
@@ -51,19 +64,33 @@ OVERRIDES: dict[str, Any] = {
 }
 
 
-def everything() -> tuple[Breaker, dict[str, Any]]:
+SIMULATION: dict[str, Any] = {
+    "objects": [
+        {"object": "cup", "color": "red", "shape": "cup", "size": 0.05, "height": 0.05}
+        | {"style": 0, "shade": 0, "mass": 0.06}
+    ],
+    "objects_most": 1,
+}
+
+
+def everything() -> dict[str, Any]:
     """A config that sets every key that there is."""
-    schemas = {path.name: json.loads(path.read_text()) for path in SCHEMAS.glob("*.schema.json")}
-    breaker = Breaker(schemas, OVERRIDES)
-    experiment = breaker.sample({"$ref": "#/$defs/experiment"}, "config.schema.json")
-    config = breaker.sample({"$ref": "config.schema.json"}, "config.schema.json")
-    return breaker, config | {"experiments": {"own": experiment}}
+    overrides = OVERRIDES | {"simulation": sample(EXPERIMENT["properties"]["simulation"], SIMULATION)}
+    own = sample(EXPERIMENT, overrides)
+    return {key: own[key] for key in ("seed", "methods", "samplers")} | {"experiments": {"own": own}}
 
 
 def cases() -> list[Any]:
-    breaker, config = everything()
-    found = breaker.broken({"$ref": "config.schema.json"}, "config.schema.json", config)
-    return [pytest.param(path, broken, id=f"{key_path(path)}: {label}"[:150]) for label, path, broken in found]
+    found = broken(config_schema(), everything())
+    return [pytest.param(path, wrong, id=f"{key_path(path)}: {label}"[:150]) for label, path, wrong in found]
+
+
+def schema_problems(config: dict[str, Any]) -> list[str]:
+    try:
+        StudyConfig.model_validate(config)
+    except ValidationError as error:
+        return messages.problems_of(error, config)
+    return []
 
 
 CASES = cases()
@@ -76,7 +103,7 @@ def problems_of(config: dict[str, Any]) -> tuple[str, ...]:
 
 
 def test_the_config_that_is_broken_below_is_valid() -> None:
-    assert schema_problems(everything()[1]) == []
+    assert schema_problems(everything()) == []
 
 
 def test_every_key_is_broken_somehow() -> None:
@@ -84,12 +111,12 @@ def test_every_key_is_broken_somehow() -> None:
     broken = {tuple(part for part in path if isinstance(part, str)) for path, _ in (case.values for case in CASES)}
 
     def leaves(value: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-        for key, inner in value.items() if isinstance(value, dict) else ():
+        for key, found in value.items() if isinstance(value, dict) else ():
             yield (*path, key)
-            yield from leaves(inner, (*path, key))
+            yield from leaves(found, (*path, key))
 
     free = {("words",), ("colors",), ("places",)}  # mappings of free names are broken by their first entry
-    missing = [path for path in leaves(everything()[1]) if path not in broken and path[-2:-1] not in free]
+    missing = [path for path in leaves(everything()) if path not in broken and path[-2:-1] not in free]
     assert missing == []
 
 
@@ -350,12 +377,31 @@ def test_names_that_some_disks_do_not_tell_apart() -> None:
     assert "only in capitals" in problems_of(minimal(variants={"few": {}, "Few": {}}))[0]
 
 
+def test_the_schema_for_editors_accepts_what_is_accepted() -> None:
+    schema = config_schema()
+    Draft202012Validator.check_schema(schema)
+    editor = Draft202012Validator(schema)
+    for config in sorted((ROOT / "config").glob("*.yaml")):
+        editor.validate(yaml.safe_load(config.read_text(encoding="utf-8")))
+    editor.validate(json.loads(json.dumps(everything())))
+    assert not editor.is_valid(minimal(D=[0]))
+    assert not editor.is_valid(minimal(trials=None) | {"seeed": 1})
+
+
+def test_the_schema_for_editors_refuses_null() -> None:
+    for key in KEYS:
+        assert not Draft202012Validator(config_schema()).is_valid({"experiments": {"own": {"D": [6], key: None}}}), (
+            key
+        )
+
+
 def test_one_schema_of_words_and_paths_everywhere() -> None:
-    known = json.loads((SCHEMAS / "config.schema.json").read_text())["$defs"]
-    assert known["word"]["pattern"] == WORD_PATTERN
-    assert known["word"]["description"] == f"a word: {WORD_RULE}"
-    assert (known["name"]["pattern"], known["name"]["description"]) == (NAME_PATTERN, NAME_RULE)
-    assert known["path"]["pattern"] == known["experiment"]["properties"]["logs"]["pattern"] == PATH_PATTERN
+    text = json.dumps(config_schema())
+    for pattern in (WORD_PATTERN, NAME_PATTERN, PATH_PATTERN):
+        assert text.count(json.dumps(pattern)) == 1
+    known = config_schema()["$defs"]
+    assert known["Word"]["description"] == f"a word: {WORD_RULE}"
+    assert known["Name"]["description"] == NAME_RULE
 
 
 def test_no_two_experiments_can_name_one_file() -> None:

@@ -1,8 +1,7 @@
-"""A method that somebody adds: a row in the table of methods and a name in the schema."""
+"""A method that somebody adds: a row in the table of methods."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -10,27 +9,21 @@ import pytest
 from model import METHODS
 from tests.synthetic import write_own_study
 from tests.workflow.runs import copy_project, run
-from workflow.plan.config import SCHEMAS
-
-SCHEMA = "config.schema.json"
+from workflow.plan.schema import config_schema
 
 
 def test_the_schema_knows_the_methods() -> None:
-    assert json.loads((SCHEMAS / SCHEMA).read_text())["$defs"]["method"]["enum"] == list(METHODS)
+    assert config_schema()["$defs"]["MethodName"]["enum"] == list(METHODS)
 
 
 @pytest.mark.slow
-def test_a_method_is_a_row_and_a_name(tmp_path: Path) -> None:
+def test_a_method_is_a_row(tmp_path: Path) -> None:
     project, out = copy_project(tmp_path / "project"), tmp_path / "out"
     table = project / "model" / "frames.py"
     row = '    "free": Method("(F) free", "independent"),\n}\n\n\nclass FrameList'
     text = table.read_text(encoding="utf-8")
     assert text.count("}\n\n\nclass FrameList") == 1
     table.write_text(text.replace("}\n\n\nclass FrameList", row), encoding="utf-8")
-    schema = project / "workflow" / "schemas" / SCHEMA
-    names = schema.read_text(encoding="utf-8")
-    assert names.count('"mmlda", "gmm"]}') == 1
-    schema.write_text(names.replace('"gmm"]}', '"gmm", "free"]}'), encoding="utf-8")
     files = {"trials": "trials.parquet", "objects": "objects.parquet"}
     own = {"features": files | {"description": files}, "methods": ["free", "no_mec2"], "seeds": 1, "ROW": [0]}
     run(write_own_study(tmp_path, **own), out, root=project)

@@ -7,12 +7,21 @@ from typing import Any
 
 import yaml
 
+from model.prior import Prior
+from model.samplers import Blocked
 from tests.synthetic import WORDS
 from tests.workflow.configs import FILE, minimal
+from workflow.artifacts.provenance import ROOT
 from workflow.execution.engine import planned
-from workflow.plan.config import SCHEMAS, default
+from workflow.plan.config_types import CHANNELS
 from workflow.plan.loading import load_study, plan
 from workflow.plan.study import Study
+
+SHIPPED = {
+    "published": {"kind": "blocked"},
+    "released": {"kind": "blocked", "averaged_draws": 100, "empty_category": "uniform"},
+    "collapsed": {"kind": "collapsed"},
+}
 
 
 def study(config: dict[str, Any]) -> Study:
@@ -21,26 +30,46 @@ def study(config: dict[str, Any]) -> Study:
 
 def test_defaults_are_filled_in() -> None:
     settings = study(minimal()).experiments["own"].settings
-    assert (settings["seed"], settings["iterations"], settings["seeds"], settings["ROW"]) == (1, 200, 10, [0])
-    assert settings["methods"] == default("methods") == ["proposed", "no_mec2", "mmlda"]
+    assert (settings.seed, settings.seeds, settings.ROW) == (1, 10, (0,))
+    assert settings.methods == ("proposed", "no_mec2", "mmlda")
+    assert settings.samplers == {"published": Blocked()}
+    assert (settings.generation.sentences, settings.generation.D, settings.description.ROW) == (12, (6,), (0,))
 
 
 def test_an_experiments_own_value_wins() -> None:
-    config = minimal(iterations=7) | {"iterations": 9, "chains": 3}
-    settings = study(config).experiments["own"].settings
-    assert (settings["iterations"], settings["chains"]) == (7, 3)
+    long, short = ({"long": {"kind": "blocked", "iterations": n}} for n in (900, 7))
+    settings = study(minimal(samplers=short) | {"samplers": long, "seed": 3}).experiments["own"].settings
+    assert (settings.samplers["long"].iterations, settings.seed) == (7, 3)
+    assert settings.samplers["long"].chains == 1
 
 
 def test_the_paths_of_the_fits() -> None:
-    config = minimal(
-        ROW=[0, 40], seeds=2, methods=["mmlda"], averaged_draws=[1, 100], variants={"narrow": {"V0": 0.1}}
-    )
+    config = minimal(ROW=[0, 40], seeds=2, methods=["mmlda"], samplers=SHIPPED, variants={"narrow": {"scale": 0.1}})
     paths = [condition.path for condition in study(config).conditions("own")]
-    assert len(paths) == len(set(paths)) == (2 * 2 + 2) * 2
-    both = study(minimal(inference=["blocked", "collapsed"], averaged_draws=[1, 100])).conditions("own")
-    assert {c.inference for c in both} == {"blocked", "blocked_averaged100", "collapsed"}
-    assert "fits/own/narrow/mmlda/blocked_averaged100/D6/ROW40/seed2.npz" in paths
-    assert "fits/own/narrow/gmm/blocked/D6/ROW100/seed1.npz" in paths
+    assert len(paths) == len(set(paths)) == (2 + 1) * 2 * 3
+    assert "fits/own/narrow/mmlda/released/D6/ROW40/seed2.npz" in paths
+    assert "fits/own/narrow/gmm/published/D6/ROW100/seed1.npz" in paths
+
+
+def test_samplers_of_one_kind_with_different_lengths_share_their_draws() -> None:
+    samplers = SHIPPED | {"long": {"kind": "blocked", "iterations": 400}}
+    known = study(minimal(samplers=samplers)).experiments["own"].settings.samplers
+    assert {name: sampler.stream for name, sampler in known.items()} == {
+        "published": "blocked", "released": "blocked_averaged100", "collapsed": "collapsed", "long": "blocked",
+    }  # fmt: skip
+
+
+def test_a_sampler_is_run_and_shown_where_the_config_says() -> None:
+    few = {"K": 5, "only": {"samplers": ["collapsed"]}}
+    variants, figure = {"default": {}, "few": few}, {"sampler": "released"}
+    own = study(minimal(samplers=SHIPPED, seeds=1, variants=variants, figure=figure))
+    assert {c.sampler for c in own.conditions("own") if c.variant == "few"} == {"collapsed"}
+    shown = own.figure_condition("own")
+    assert shown is not None
+    assert (shown.variant, shown.sampler) == ("default", "released")
+    first = study(minimal(samplers=SHIPPED)).figure_condition("own")
+    assert first is not None
+    assert first.sampler == "published"
 
 
 def test_a_variant_is_run_only_where_it_says() -> None:
@@ -48,10 +77,10 @@ def test_a_variant_is_run_only_where_it_says() -> None:
     own = study(minimal(D=[6, 8], ROW=[0, 40], seeds=2, variants={"default": {}, "few": few}))
     conditions = list(own.conditions("own"))
     assert [c.path for c in conditions if c.variant == "few"] == [
-        f"fits/own/few/proposed/blocked/D8/ROW40/seed{seed}.npz" for seed in (1, 2)
+        f"fits/own/few/proposed/published/D8/ROW40/seed{seed}.npz" for seed in (1, 2)
     ]
     assert len(conditions) == 2 * 2 * (3 * 2 + 1) + 2  # of the other variant all, ALL included
-    assert own.experiments["own"].priors("few")["action"] == {"categories": 5}
+    assert own.experiments["own"].priors("few")["action"] == Prior(categories=5)
     assert own.experiments["own"].partial_variants == ["few"]
     alone = study(minimal(variants={"few": {"K": 5, "only": {"ROW": [0]}}})).experiments["own"]
     assert alone.partial_variants == []
@@ -102,15 +131,16 @@ def test_zero_leaves_a_task_out_of_shared_trials_too() -> None:
 def test_hyperparameters_by_channel() -> None:
     config = minimal(K={"action": 5}, variants={"v": {"alpha": 0.5, "gamma": {"color": 2.0}}})
     priors = study(config).experiments["own"].priors("v")
-    assert priors["action"] == {"categories": 5, "concentration": 0.5}
-    assert priors["color"] == {"concentration": 0.5, "word_concentration": 2.0}
+    assert priors["action"] == Prior(categories=5, concentration=0.5)
+    assert priors["color"] == Prior(concentration=0.5, word_concentration=2.0)
+    assert priors["position"] == Prior(concentration=0.5, box=(-0.5, 0.5))
 
 
 def test_a_variant_changes_the_channels_that_it_names() -> None:
     config = minimal(K={"action": 20, "object": 20}, variants={"few": {"K": {"action": 5}}, "same": {}})
     few, same = (study(config).experiments["own"].priors(name) for name in ("few", "same"))
-    assert few == same | {"action": {"categories": 5}}
-    assert same == {channel: {"categories": 20} for channel in ("action", "object")} | {"position": {}, "color": {}}
+    assert few == same | {"action": Prior(categories=5)}
+    assert [same[channel].categories for channel in CHANNELS] == [20, 10, 20, 10]
 
 
 def test_blocks_of_trials_stay_when_more_are_added() -> None:
@@ -125,15 +155,14 @@ def test_trials_of_an_experiment_that_others_share() -> None:
 
 
 def test_the_configs_of_the_project_are_valid() -> None:
-    root = SCHEMAS.parent.parent
-    for path in sorted((root / "config").glob("*.yaml")):
+    for path in sorted((ROOT / "config").glob("*.yaml")):
         assert load_study(path).experiments
         assert yaml.safe_load(path.read_text())["experiments"]
 
 
 def test_every_job_has_what_it_needs_where_variants_part_the_grid(tmp_path: Path) -> None:
     """Neither D has fits of all variants, and one has no fit that hears all words."""
-    config = yaml.safe_load((SCHEMAS.parent.parent / "config" / "smoke.yaml").read_text())
+    config = yaml.safe_load((ROOT / "config" / "smoke.yaml").read_text())
     few = {"K": 5, "only": {"D": [8], "ROW": [40], "methods": ["proposed"]}}
     config["experiments"]["simulator"] |= {
         "D": [6, 8],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import yaml
@@ -10,13 +11,13 @@ from model import Prior
 from workflow.artifacts.provenance import ROOT
 from workflow.artifacts.versions import pinned_packages, python_version, study_hash
 from workflow.plan.loading import load_study, plan
-from workflow.plan.settings import complete, origin, portable
+from workflow.plan.overview import overview, source_in_words
 
 STUDY = ROOT / "config" / "config.yaml"
 
 
 def test_defaults_are_filled_in_and_what_is_said_wins() -> None:
-    settings = complete(load_study(STUDY).experiments["real"])
+    settings = overview(load_study(STUDY).experiments["real"])
     said = yaml.safe_load(STUDY.read_text(encoding="utf-8"))["experiments"]["real"]
     assert settings["simulation"]["camera"]["noise"] == said["simulation"]["camera"]["noise"]
     assert settings["simulation"]["camera"]["view"] == 64.0
@@ -28,25 +29,27 @@ def test_defaults_are_filled_in_and_what_is_said_wins() -> None:
 
 def test_a_hyperparameter_of_one_channel_is_told_by_channel() -> None:
     config = yaml.safe_load(STUDY.read_text(encoding="utf-8"))
-    config["experiments"]["simulator"]["variants"] = {"narrow": {"V0": {"position": 0.5}}}
+    config["experiments"]["simulator"]["variants"] = {"narrow": {"scale": {"position": 0.5}}}
     config["experiments"]["shared"] = {"D": [6], "data": "simulator"}
     experiments = plan(config, STUDY).experiments
-    told = complete(experiments["simulator"])["variants"]["narrow"]
-    assert told["V0"] == {"action": 0.01, "position": 0.5, "object": 0.01, "color": 0.01}
+    told = overview(experiments["simulator"])["variants"]["narrow"]
+    assert told["scale"] == {"action": 0.01, "position": 0.5, "object": 0.01, "color": 0.01}
     assert told["alpha"] == 1.0
-    assert [origin(experiments[name]) for name in ("simulator", "shared")] == [
+    assert [source_in_words(experiments[name]) for name in ("simulator", "shared")] == [
         "simulated trials",
         "those of simulator",
     ]
-    assert "simulation" not in complete(experiments["shared"])
+    assert "simulation" not in overview(experiments["shared"])
 
 
 def test_absolute_paths_are_told_by_name(tmp_path: Path) -> None:
-    experiment = load_study(STUDY).experiments["real"]
-    with_path = {**experiment.settings, "feature_extraction": {"weights": str(tmp_path / "alexnet.pt")}}
-    moved = portable(type(experiment)("real", "simulation", "real", with_path))
-    assert moved.settings["feature_extraction"] == {"weights": "alexnet.pt"}
-    assert portable(experiment) == experiment
+    weights = tmp_path / "alexnet.pt"
+    weights.touch()
+    config = yaml.safe_load(STUDY.read_text(encoding="utf-8"))
+    config["experiments"]["real"]["feature_extraction"] = {"weights": str(weights)}
+    told = overview(plan(config, STUDY).experiments["real"])
+    assert told["feature_extraction"]["weights"] == "alexnet.pt"
+    assert str(tmp_path) not in json.dumps(told)
 
 
 def test_versions_are_those_of_the_lock_file() -> None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-from data_collection.settings import Simulation
-from features.settings import FeatureSettings
-from workflow.plan.config import default, key_path
-from workflow.plan.study import CHANNELS, TASKS, Experiment, Study, feature_files, log_folder_trials
+from workflow.plan.config_types import CHANNELS, WORDLESS
+from workflow.plan.messages import key_path
+from workflow.plan.study import TASKS, Experiment, Study, feature_files, log_folder_trials
+from workflow.plan.study_config import ExperimentConfig, StudyConfig, completed
 
 # Keys that say nothing where the data come from elsewhere.
 USELESS_WITH = {
@@ -18,75 +17,80 @@ USELESS_WITH = {
     "feature_extraction": ("features", "data"),
 }
 # The key of an experiment that says what may be named, where it is called otherwise.
-SOURCES = {"variant": "variants", "method": "methods"}
+SOURCES = {"variant": "variants", "method": "methods", "sampler": "samplers"}
 
 
-def contradictions(name: str, config: Mapping[str, Any]) -> Iterator[str]:
+def contradictions(name: str, config: StudyConfig) -> Iterator[str]:
     """What no single key shows: keys that exclude each other, words in two channels, references to nothing."""
-    experiments = config["experiments"]
+    experiments = config.experiments
     own, where = experiments[name], key_path(["experiments", name])
-    sources = [key for key in ("features", "logs", "data", "simulation") if key in own]
+    given = own.model_fields_set
+    sources = [key for key in ("features", "logs", "data", "simulation") if key in given]
     if len(sources) > 1:
         yield f"{where}: {' and '.join(sources)} exclude each other: data have one source"
     for key, sources_without in USELESS_WITH.items():
         for source in sources_without:
-            if key in own and source in own:
+            if key in given and source in given:
                 yield f"{where}.{key}: has no effect with {source} (remove it)"
-    owner = own.get("data", name)
-    if owner not in experiments or (owner == name and "data" in own):
+    owner = own.data or name
+    if owner not in experiments or own.data == name:
         others = ", ".join(sorted(set(experiments) - {name})) or "there is none"
         yield f"{where}.data: {owner!r} is no other experiment (allowed: {others})"
         return
-    if "data" in experiments[owner] and owner != name:
-        yield f"{where}.data: {owner} has no data of its own but shares those of {experiments[owner]['data']}"
+    if owner != name and (further := experiments[owner].data):
+        yield f"{where}.data: {owner} has no data of its own but shares those of {further}"
+    settings = completed(config, name)
     for other in sorted(experiments):
         if other < name and other.lower() == name.lower():
             yield f"{where}: differs from experiments.{other} only in capitals, which some disks do not tell apart"
-    variants = sorted(own.get("variants", {}))
-    for i, variant in enumerate(variants):
-        for other in variants[:i]:
-            if other.lower() == variant.lower():
-                yield f"{where}.variants.{variant}: differs from {other} only in capitals"
-    words = own.get("words", experiments[owner].get("words"))
+    for key, names in (("variants", sorted(settings.variants)), ("samplers", sorted(settings.samplers))):
+        for i, one in enumerate(names):
+            for other in names[:i]:
+                if other.lower() == one.lower():
+                    yield f"{where}.{key}.{one}: differs from {other} only in capitals"
+    words = own.words or experiments[owner].words
     if words is None:
         yield f"{where}: key 'words' is missing (the words by channel: the true channel of each word)"
         return
     for i, channel in enumerate(CHANNELS):
         for other in CHANNELS[i + 1 :]:
-            for word in sorted(set(words[channel]) & set(words[other])):
-                yield f"{where}.words: {word!r} is a word of {channel} and of {other} (allowed: one channel a word)"
+            for word in sorted(set(getattr(words, channel)) & set(getattr(words, other))):
+                yield f"{where}.words: {word!r} is a word of {channel} and of {other} (allowed: one channel per word)"
     yield from _tests_without_effect(where, own)
-    yield from _conditions_not_run(where, own, config)
-    trials = experiments[owner].get("trials")
-    for i, D in enumerate(own["D"]):
+    yield from _conditions_not_run(where, settings)
+    trials = experiments[owner].trials
+    for i, D in enumerate(own.D):
         if trials is not None and D > trials:
             yield f"{where}.D[{i}]: {D} is more than the {trials} trials collected (experiments.{owner}.trials)"
 
 
-def _tests_without_effect(where: str, own: Mapping[str, Any]) -> Iterator[str]:
+def _tests_without_effect(where: str, own: ExperimentConfig) -> Iterator[str]:
     """Numbers of test trials, which are simulated, where the data come from elsewhere."""
     for task, key in TASKS.items():
+        asked = getattr(own, task)
         for source in ("features", "logs", "data"):
-            if own.get(task, {}).get(key) and source in own:
+            if key in asked.model_fields_set and getattr(asked, key) and source in own.model_fields_set:
                 yield f"{where}.{task}.{key}: with {source}, whose own trials test, only 0 has an effect (no test)"
 
 
-def _conditions_not_run(where: str, own: Mapping[str, Any], config: Mapping[str, Any]) -> Iterator[str]:
+def _conditions_not_run(where: str, settings: ExperimentConfig) -> Iterator[str]:
     """Conditions that tasks, variants or the figure name, but that the experiment does not have."""
-    variants = own.get("variants", default("variants"))
-    methods = own.get("methods", config.get("methods", default("methods")))
+    methods, samplers = list(settings.methods), list(settings.samplers)
     available = {
-        "D": own["D"],
-        "ROW": own.get("ROW", default("ROW")),
-        "variant": list(variants),
+        "D": settings.D,
+        "ROW": settings.ROW,
+        "variant": list(settings.variants),
         "method": methods,
-        "methods": [*methods, *({"gmm"} - set(methods))],
+        "methods": [*methods, *(set(WORDLESS) - set(methods))],
+        "sampler": samplers,
+        "samplers": samplers,
     }
-    naming = {task: own.get(task, {}) for task in TASKS} | {"figure": own.get("figure", {})}
-    naming |= {f"variants.{name}.only": variant.get("only", {}) for name, variant in variants.items()}
-    for place, asked in naming.items():
+    naming = {task: getattr(settings, task) for task in TASKS} | {"figure": settings.figure}
+    naming |= {f"variants.{name}.only": variant.only for name, variant in settings.variants.items()}
+    for place, naming_model in naming.items():
+        asked = naming_model.model_dump(exclude_unset=True)
         for key in [key for key in available if key in asked]:
-            listed = isinstance(asked[key], list)
+            listed = isinstance(asked[key], tuple)
             for i, value in enumerate(asked[key] if listed else [asked[key]]):
                 if value not in available[key]:
                     allowed = ", ".join(map(str, available[key]))
@@ -100,19 +104,20 @@ def grid_problems(study: Study, name: str) -> Iterator[str]:
     """What an experiment's variants leave without a fit."""
     where = key_path(["experiments", name])
     run = list(study.conditions(name))
-    for i, D in enumerate(study.experiments[name].settings["D"]):
+    for i, D in enumerate(study.experiments[name].settings.D):
         if not any(condition.D == D for condition in run):
             yield f"{where}.D[{i}]: {D} is run for no variant (see {where}.variants)"
-    hears = any(condition.method != "gmm" for condition in run)
+    hears = any(condition.method not in WORDLESS for condition in run)
     for task, key in TASKS.items():
         if hears and study.is_tested(name, task) and not study.task_conditions(name, task):
-            asked = study.experiments[name].settings[task]
-            grid = " and ".join(f"{axis} {', '.join(map(str, asked[axis]))}" for axis in ("D", "ROW"))
+            asked = study.experiments[name].task(task)
+            grid = f"D {', '.join(map(str, asked.D))} and ROW {', '.join(map(str, asked.ROW))}"
             yield f"{where}.{task}: no fit is run with {grid} (see {where}.variants; {key}: 0 leaves the task out)"
     if study.figure_condition(name) is None:
-        asked = ", ".join(f"{key} {value}" for key, value in study.experiments[name].settings["figure"].items())
-        allowed = dict.fromkeys(f"{c.variant} {c.method} D {c.D} ROW {c.ROW}" for c in run)
-        yield f"{where}.figure: no fit has {asked} (allowed: {'; '.join(allowed)})"
+        figure = study.experiments[name].settings.figure.model_dump(exclude_unset=True)
+        shown = ", ".join(f"{key} {value}" for key, value in figure.items())
+        allowed = dict.fromkeys(f"{c.variant} {c.method} {c.sampler} D {c.D} ROW {c.ROW}" for c in run)
+        yield f"{where}.figure: no fit has {shown} (allowed: {'; '.join(allowed)})"
 
 
 def data_problems(study: Study, name: str) -> Iterator[str]:
@@ -122,22 +127,14 @@ def data_problems(study: Study, name: str) -> Iterator[str]:
     if experiment.data != name:
         return
     if experiment.source != "features":
-        try:
-            FeatureSettings.from_mapping(experiment.settings.get("feature_extraction", {}))
-        except ValueError as error:
-            yield from (f"{where}.feature_extraction: {line}" for line in str(error).splitlines())
         weights = study.weights_file(name)
         if weights is not None:
             yield from _braces(f"{where}.feature_extraction.weights", weights)
         if weights is not None and not weights.is_file():
             yield f"{where}.feature_extraction.weights: {weights} is not a file (nor seeded, nor imagenet1k)"
     if experiment.source == "simulation":
-        try:
-            simulation = Simulation.from_mapping(experiment.settings.get("simulation", {}))
-        except ValueError as error:
-            yield from (f"{where}.simulation: {line}" for line in str(error).splitlines())
-        else:
-            yield from (f"{where}.simulation: {line}" for line in simulation.check_words(experiment.words))
+        said = experiment.settings.simulation.check_words(experiment.words)
+        yield from (f"{where}.simulation: {line}" for line in said)
     if experiment.source == "logs":
         yield from _log_problems(study, experiment)
     if experiment.source == "features":
@@ -156,7 +153,7 @@ def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
     if not (folder / "calibration.mcap").is_file():
         yield f"{where}: {folder / 'calibration.mcap'} is not a file (the log of the camera's calibration)"
     count = len(log_folder_trials(folder, "train"))
-    needed = max(D for user in study.experiments.values() if user.data == experiment.name for D in user.settings["D"])
+    needed = max(D for user in study.experiments.values() if user.data == experiment.name for D in user.settings.D)
     if count < needed:
         yield (
             f"{where}: D is up to {needed}, but {folder / 'train'} holds {count} logs numbered without a gap "
@@ -190,15 +187,15 @@ def _problems_of_set(study: Study, experiment: Experiment, set_name: str) -> Ite
     for user in study.experiments.values():
         if user.data != experiment.name:
             continue
-        for i, D in enumerate(user.settings["D"]):
+        for i, D in enumerate(user.settings.D):
             if D > len(table.trial):
                 yield (
                     f"experiments.{user.name}.D[{i}]: {D} is more than the {len(table.trial)} trials "
                     f"of {paths['trials']}"
                 )
         for row, sentence in enumerate(table.words):
-            if len(sentence) > len(CHANNELS) and "proposed" in user.settings["methods"]:
+            if len(sentence) > len(CHANNELS) and "proposed" in user.settings.methods:
                 yield (
                     f"{where}: {paths['trials']}, trial {table.trial[row]}: {len(sentence)} words, but "
-                    f"method proposed explains at most {len(CHANNELS)} (one a channel)"
+                    f"method proposed explains at most {len(CHANNELS)} (one per channel)"
                 )

@@ -4,80 +4,70 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
-CHANNELS = ("action", "position", "object", "color")
-SHARED_KEYS = (
-    "seed",
-    "methods",
-    "inference",
-    "averaged_draws",
-    "chains",
-    "iterations",
-    "empty_category",
-    "temperature",
-    "keep_history",
-)
+from model.prior import Prior
+from workflow.plan.config_types import WORDLESS, Channel
+from workflow.plan.study_config import ExperimentConfig, Task
+from workflow.plan.variants import HYPERPARAMETERS, hyperparameters
+
 # The tasks that use what was learned, and the key that says how many trials test it.
 TASKS = {"generation": "sentences", "description": "actions"}
-# A hyperparameter of the config, and what model.Prior calls it.
-HYPERPARAMETERS = {
-    "K": "categories",
-    "alpha": "concentration",
-    "gamma": "word_concentration",
-    "kappa0": "mean_strength",
-    "V0": "scale",
-    "nu0_minus_dim": "extra_freedom",
-}
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """One experiment with all its settings, defaults filled in. `settings` holds the keys of the config schema.
+    """One experiment.
 
     Attributes:
         name: its name.
-        source: `simulation`, `logs` or `features`: where its data come from.
         data: name of the experiment whose data it uses, its own name where it has its own.
-        settings: every key of an experiment that has a value.
+        words: the words by channel.
+        settings: every key of its config, completed.
     """
 
     name: str
-    source: str
     data: str
-    settings: Mapping[str, Any]
+    words: Mapping[str, list[str]]
+    settings: ExperimentConfig
 
     @property
-    def words(self) -> dict[str, list[str]]:
-        """The words by channel."""
-        return {channel: list(self.settings["words"][channel]) for channel in CHANNELS}
+    def source(self) -> str:
+        """Where its data come from: `simulation`, `logs` or `features`."""
+        return next((kind for kind in ("features", "logs") if getattr(self.settings, kind) is not None), "simulation")
 
-    def priors(self, variant: str) -> dict[str, dict[str, Any]]:
-        """The hyperparameters of a variant as arguments of `model.Prior`, by channel."""
-        priors: dict[str, dict[str, Any]] = {channel: {} for channel in CHANNELS}
-        for changes in ({"K": self.settings["K"]}, self.settings["variants"][variant]):
-            for key, value in changes.items():
-                if key in HYPERPARAMETERS:
-                    by_channel = value if isinstance(value, Mapping) else dict.fromkeys(CHANNELS, value)
-                    for channel, number in by_channel.items():
-                        priors[channel][HYPERPARAMETERS[key]] = number
-        return priors
+    def task(self, name: str) -> Task:
+        """The settings of a task."""
+        task: Task = getattr(self.settings, name)
+        return task
+
+    def test_trials(self, task: str) -> int:
+        """How many trials are asked for to test a task."""
+        return int(getattr(self.task(task), TASKS[task]))
+
+    def priors(self, variant: str) -> dict[Channel, Prior]:
+        """The hyperparameters of a variant by channel."""
+        changed = self.settings.variants[variant]
+        changes = [(key, getattr(changed, key)) for key in HYPERPARAMETERS if key in changed.model_fields_set]
+        return hyperparameters([("K", self.settings.K), *changes])
 
     @property
     def partial_variants(self) -> list[str]:
         """Variants that are run for a part of the conditions, beside others; never `default`: claims rest on it."""
-        variants = self.settings["variants"]
-        partial = [name for name, own in variants.items() if "only" in own and name != "default"]
+        variants = self.settings.variants
+        partial = [name for name, own in variants.items() if own.only.model_fields_set and name != "default"]
         return partial if len(partial) < len(variants) else []
 
-    def is_run(self, variant: str, method: str, D: int, ROW: int) -> bool:
-        """Whether a variant is run for a condition; ALL (`gmm`) is the same at every ROW."""
-        only = self.settings["variants"][variant].get("only", {})
+    def is_run(self, condition: Condition) -> bool:
+        """Whether a variant is run for a condition; a method without words is the same at every ROW."""
+        only = self.settings.variants[condition.variant].only
         return (
-            method in only.get("methods", [method])
-            and D in only.get("D", [D])
-            and (method == "gmm" or ROW in only.get("ROW", [ROW]))
+            condition.method in (only.methods or [condition.method])
+            and condition.sampler in (only.samplers or [condition.sampler])
+            and condition.D in (only.D or [condition.D])
+            and (condition.method in WORDLESS or condition.ROW in (only.ROW or [condition.ROW]))
         )
 
 
@@ -88,7 +78,7 @@ class Condition:
     experiment: str
     variant: str
     method: str
-    inference: str
+    sampler: str
     D: int
     ROW: int
     seed: int
@@ -99,7 +89,7 @@ class Condition:
         return FIT_PATH.format(**vars(self))
 
 
-FIT_PATH = "fits/{experiment}/{variant}/{method}/{inference}/D{D}/ROW{ROW}/seed{seed}.npz"
+FIT_PATH = "fits/{experiment}/{variant}/{method}/{sampler}/D{D}/ROW{ROW}/seed{seed}.npz"
 
 
 @dataclass(frozen=True)
@@ -116,43 +106,41 @@ class Study:
 
     def conditions(self, experiment: str) -> Iterator[Condition]:
         """Every fit of an experiment, the reference ALL (`gmm` at ROW 100) included."""
-        settings = self.experiments[experiment].settings
-        methods = [method for method in settings["methods"] if method != "gmm"]
-        grid = [(method, ROW) for method in methods for ROW in settings["ROW"]] + [("gmm", 100)]
-        for variant in settings["variants"]:
-            for inference in inference_names(settings):
-                for D in settings["D"]:
-                    for method, ROW in grid:
-                        if not self.experiments[experiment].is_run(variant, method, D, ROW):
-                            continue
-                        for seed in range(1, settings["seeds"] + 1):
-                            yield Condition(experiment, variant, method, inference, D, ROW, seed)
+        own = self.experiments[experiment]
+        settings = own.settings
+        methods = [method for method in settings.methods if method not in WORDLESS]
+        grid = [(method, ROW) for method in methods for ROW in settings.ROW] + [(method, 100) for method in WORDLESS]
+        for variant, sampler, D in product(settings.variants, settings.samplers, settings.D):
+            for method, ROW in grid:
+                first = Condition(experiment, variant, method, sampler, D, ROW, 1)
+                if own.is_run(first):
+                    yield from self.seeds(first)
 
     def size(self, experiment: str) -> int:
         """At most so many jobs fit and simulate an experiment; known without listing them."""
-        settings = self.experiments[experiment].settings
-        grid = len(settings["variants"]) * len(inference_names(settings)) * len(settings["D"])
-        fits = grid * (len(settings["methods"]) * len(settings["ROW"]) + 1) * settings["seeds"]
         own = self.experiments[experiment]
+        settings = own.settings
+        grid = len(settings.variants) * len(settings.samplers) * len(settings.D)
+        fits = grid * (len(settings.methods) * len(settings.ROW) + 1) * settings.seeds
         simulated = own.source == "simulation" and own.data == experiment
         trials = len(self.trials(experiment, "train")) if simulated else 0
-        return int(fits + trials // settings["trials_per_job"])
+        return fits + trials // settings.trials_per_job
 
     def task_conditions(self, experiment: str, task: str) -> list[Condition]:
         """The fits that a task (`generation`, `description`) tests; none where there is nothing to test them on."""
-        asked = self.experiments[experiment].settings[task]
+        asked = self.experiments[experiment].task(task)
         if not self.is_tested(experiment, task):
             return []
         return [
             condition
             for condition in self.conditions(experiment)
-            if condition.method != "gmm" and condition.D in asked["D"] and condition.ROW in asked["ROW"]
+            if condition.method not in WORDLESS and condition.D in asked.D and condition.ROW in asked.ROW
         ]
 
     def is_tested(self, experiment: str, task: str) -> bool:
         """Whether a task is asked for, and there are trials to test it on."""
         own = self.experiments[experiment]
-        return own.settings[task][TASKS[task]] > 0 and len(self.trials(own.data, task)) > 0
+        return own.test_trials(task) > 0 and len(self.trials(own.data, task)) > 0
 
     def tested_D(self, experiment: str, task: str) -> list[int]:  # noqa: N802 (D is the paper's)
         """The numbers of trials of the fits that a task tests, in rising order."""
@@ -167,37 +155,38 @@ class Study:
         own = self.experiments[experiment]
         if own.source == "logs":
             return range(1, len(log_folder_trials(self.log_folder(experiment), set_name)) + 1)
-        if own.source == "features":
-            return range(1, 2 if set_name == "train" or set_name in own.settings["features"] else 1)
+        if own.settings.features is not None:
+            return range(1, 2 if set_name == "train" or getattr(own.settings.features, set_name) else 1)
         if set_name != "train":
-            return range(1, own.settings[set_name][TASKS[set_name]] + 1)
+            return range(1, own.test_trials(set_name) + 1)
         users = [other for other in self.experiments.values() if other.data == experiment]
-        needed = own.settings.get("trials", max(D for user in users for D in user.settings["D"]))
-        size = own.settings["trials_per_job"]
+        needed = own.settings.trials or max(D for user in users for D in user.settings.D)
+        size = own.settings.trials_per_job
         return range(1, -(-needed // size) * size + 1)
 
     def blocks(self, experiment: str, set_name: str = "train") -> list[tuple[int, ...]]:
         """The trials of a set in the blocks that one job simulates or looks at."""
-        size = self.experiments[experiment].settings["trials_per_job"]
+        size = self.experiments[experiment].settings.trials_per_job
         trials = self.trials(experiment, set_name)
         return [tuple(trials[first : first + size]) for first in range(0, len(trials), size)]
 
     def log_folder(self, experiment: str) -> Path:
         """The folder of logs that an experiment names."""
-        return (self.folder / str(self.experiments[experiment].settings["logs"])).resolve()
+        return (self.folder / str(self.experiments[experiment].settings.logs)).resolve()
 
     def weights_file(self, experiment: str) -> Path | None:
         """The file of the network's weights that an experiment names; None where they are `seeded` or published."""
-        weights = self.experiments[experiment].settings.get("feature_extraction", {}).get("weights", "seeded")
+        weights = self.experiments[experiment].settings.feature_extraction.weights
         return None if weights in ("seeded", "imagenet1k") else (self.folder / weights).resolve()
 
     def figure_condition(self, experiment: str) -> Condition | None:
         """The condition that an experiment's figures of a fit show, seed 1 standing for all seeds.
 
-        What the key `figure` leaves open is as in the paper's Figure 4: the first variant and method, most trials,
-        fewest words omitted. None where nothing is run that the key asks for.
+        What the key `figure` leaves open is as in the paper's Figure 4: the first variant, method and sampler, most
+        trials, fewest words omitted. None where nothing is run that the key asks for.
         """
-        return self._first(experiment, self.conditions(experiment), self.experiments[experiment].settings["figure"])
+        asked = self.experiments[experiment].settings.figure.model_dump(exclude_unset=True)
+        return self._first(experiment, self.conditions(experiment), asked)
 
     def generation_condition(self, experiment: str) -> Condition | None:
         """The condition whose generated actions a figure shows, chosen likewise; None without the task."""
@@ -205,11 +194,18 @@ class Study:
 
     def _first(self, experiment: str, run: Iterable[Condition], asked: Mapping[str, Any]) -> Condition | None:
         settings = self.experiments[experiment].settings
-        variants, methods = list(settings["variants"]), [*settings["methods"], "gmm"]
+        variants, samplers, methods = list(settings.variants), list(settings.samplers), [*settings.methods, *WORDLESS]
         return min(
             (condition for condition in run if condition.seed == 1 and vars(condition).items() >= asked.items()),
-            # ALL, which hears no word, is shown only where nothing else is run.
-            key=lambda c: (c.method == "gmm", variants.index(c.variant), methods.index(c.method), -c.D, c.ROW),
+            # A method that hears no word is shown only where nothing else is run.
+            key=lambda c: (
+                c.method in WORDLESS,
+                variants.index(c.variant),
+                methods.index(c.method),
+                samplers.index(c.sampler),
+                -c.D,
+                c.ROW,
+            ),
             default=None,
         )
 
@@ -217,23 +213,8 @@ class Study:
         """The condition with each seed."""
         return [
             replace(condition, seed=seed)
-            for seed in range(1, self.experiments[condition.experiment].settings["seeds"] + 1)
+            for seed in range(1, self.experiments[condition.experiment].settings.seeds + 1)
         ]
-
-
-def inference_names(settings: Mapping[str, Any]) -> list[str]:
-    """The inference folders: the sampler, with the number of averaged draws where it is not 1."""
-    return [
-        inference if draws == 1 else f"{inference}_averaged{draws}"
-        for inference in settings["inference"]
-        for draws in (settings["averaged_draws"] if inference == "blocked" else [1])
-    ]
-
-
-def averaged_draws(inference: str) -> int:
-    """The number of averaged draws that an inference folder's name says."""
-    _, _, draws = inference.partition("_averaged")
-    return int(draws or 1)
 
 
 def log_folder_trials(folder: Path, set_name: str) -> list[Path]:
@@ -246,6 +227,6 @@ def log_folder_trials(folder: Path, set_name: str) -> list[Path]:
 
 def feature_files(study: Study, experiment: str, set_name: str = "train") -> dict[str, Path]:
     """The two Parquet files of a set that an experiment with features of its own names."""
-    named = study.experiments[experiment].settings["features"]
-    named = named if set_name == "train" else named[set_name]
-    return {key: (study.folder / named[key]).resolve() for key in ("trials", "objects")}
+    named: Any = study.experiments[experiment].settings.features
+    named = named if set_name == "train" else getattr(named, set_name)
+    return {key: (study.folder / getattr(named, key)).resolve() for key in ("trials", "objects")}

@@ -8,10 +8,11 @@ sys.path.insert(0, str(workflow.basedir))
 
 from snakemake.exceptions import WorkflowError
 
-from workflow.plan.config import ConfigError, origin
+from workflow.plan.config import ConfigError, copied_from
 from workflow.artifacts.provenance import lock_hash, rule_code
 from workflow.plan.loading import plan
-from workflow.plan.study import FIT_PATH, TASKS, averaged_draws, feature_files
+from workflow.plan.study import FIT_PATH, TASKS, feature_files
+from workflow.plan.config_types import WORDLESS
 
 SETS = ("train", "generation", "description")
 
@@ -19,7 +20,7 @@ SETS = ("train", "generation", "description")
 for library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA"):
     os.environ[f"{library}_NUM_THREADS"] = "1"
 
-CONFIG_FILE = origin(Path((workflow.overwrite_configfiles or workflow.configfiles)[0]))
+CONFIG_FILE = copied_from(Path((workflow.overwrite_configfiles or workflow.configfiles)[0]))
 
 try:
     study = plan(config, CONFIG_FILE)
@@ -40,7 +41,7 @@ def sources(*kinds):
 
 def methods():
     """The names of all methods that are run; ALL runs by itself."""
-    return sorted({"gmm"}.union(*(experiment.settings["methods"] for experiment in study.experiments.values())))
+    return sorted({*WORDLESS}.union(*(experiment.settings.methods for experiment in study.experiments.values())))
 
 
 def tracked(script):
@@ -52,7 +53,7 @@ wildcard_constraints:
     experiment="|".join(study.experiments),
     variant=r"[A-Za-z][A-Za-z0-9_-]*",
     method="|".join(methods()),
-    inference=r"[a-z]+(_averaged\d+)?",
+    sampler=r"[A-Za-z][A-Za-z0-9_-]*",
     set="train|generation|description",
     block=r"\d+-\d+",
     D=r"\d+",

@@ -1,4 +1,4 @@
-"""Trials of the robot: one MCAP log a trial, and one of the camera's calibration for each experiment."""
+"""Trials of the robot: one MCAP log per trial, and one of the camera's calibration per experiment."""
 
 
 rule calibrate:
@@ -9,8 +9,8 @@ rule calibrate:
     wildcard_constraints:
         experiment=sources("simulation"),
     params:
-        seed=lambda wildcards: settings(wildcards)["seed"],
-        simulation=lambda wildcards: settings(wildcards).get("simulation", {}),
+        seed=lambda wildcards: settings(wildcards).seed,
+        simulation=lambda wildcards: simulation_of(wildcards.experiment),
         code=tracked("calibrate.py"),
     script:
         "../scripts/calibrate.py"
@@ -32,8 +32,8 @@ for name, set_name, trials in simulated_blocks():
             experiment=name,
             set_name=set_name,
             trials=trials,
-            seed=study.experiments[name].settings["seed"],
-            simulation=study.experiments[name].settings.get("simulation", {}),
+            seed=study.experiments[name].settings.seed,
+            simulation=simulation_of(name),
             code=tracked("collect.py"),
         script:
             "../scripts/collect.py"
@@ -53,7 +53,7 @@ rule pictures:
     wildcard_constraints:
         experiment=sources("simulation"),
     params:
-        simulation=lambda wildcards: settings(wildcards).get("simulation", {}),
+        simulation=lambda wildcards: simulation_of(wildcards.experiment),
         code=tracked("pictures.py"),
     script:
         "../scripts/pictures.py"

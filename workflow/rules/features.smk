@@ -32,7 +32,7 @@ rule features:
     wildcard_constraints:
         experiment=sources("simulation", "logs"),
     params:
-        seed=lambda wildcards: settings(wildcards)["seed"],
+        seed=lambda wildcards: settings(wildcards).seed,
         extraction=extraction,
         code=tracked("features.py"),
     script:

@@ -1,6 +1,18 @@
 """What the rules ask of the plan: functions of inputs, outputs and parameters, a part for each rule file."""
 
+
+def plain(settings):
+    """Settings as plain data, defaults included: so they stand in parameters and keys."""
+    return settings.model_dump(mode="json")
+
+
 # data_collection.smk
+
+
+def simulation_of(experiment):
+    """The settings of the simulation that an experiment's data come from; None where they do not."""
+    own = study.experiments[experiment]
+    return plain(own.settings.simulation) if own.source == "simulation" else None
 
 
 def simulated_blocks():
@@ -53,7 +65,7 @@ def weights_file(wildcards):
 def extraction(wildcards):
     """The settings of feature extraction, in which a file of weights is called `file`: its content counts."""
     replaced = {"weights": "file"} if weights_file(wildcards) else {}
-    return settings(wildcards).get("feature_extraction", {}) | replaced
+    return plain(settings(wildcards).feature_extraction) | replaced
 
 
 # model.smk
@@ -69,19 +81,18 @@ def table_files(set_name):
     return of
 
 
+def priors_of(wildcards):
+    """The hyperparameters of a variant by channel."""
+    priors = study.experiments[wildcards.experiment].priors(wildcards.variant)
+    return {channel: plain(prior) for channel, prior in priors.items()}
+
+
 # evaluation.smk
 
 
 def columns(conditions):
     """The columns of scores.csv that name each of these fits."""
-    return [
-        vars(condition)
-        | {
-            "averaged_draws": averaged_draws(condition.inference),
-            "chains": study.experiments[condition.experiment].settings["chains"],
-        }
-        for condition in conditions
-    ]
+    return [vars(condition) for condition in conditions]
 
 
 def tested(wildcards, task):
@@ -93,7 +104,7 @@ def tested(wildcards, task):
 def score_files():
     """The score file of each experiment, D and task that has something to test."""
     for name, experiment in study.experiments.items():
-        for D in experiment.settings["D"]:
+        for D in experiment.settings.D:
             yield f"scores/{name}_D{D}_csl.csv"
             for task in TASKS:
                 if D in study.tested_D(name, task):
@@ -124,12 +135,6 @@ def diagnosed():
 # tasks.smk
 
 GENERATION_PATH = FIT_PATH.replace("fits/", "generation/", 1).removesuffix(".npz")
-
-
-def simulation_of(experiment):
-    """The settings of the simulation that an experiment's data come from; None where they do not."""
-    own = study.experiments[experiment]
-    return own.settings.get("simulation", {}) if own.source == "simulation" else None
 
 
 def scene_files(wildcards):

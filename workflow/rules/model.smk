@@ -1,4 +1,4 @@
-"""Fits of the model: one for each experiment, variant, method, inference, D, ROW and seed."""
+"""Fits of the model: one per experiment, variant, method, sampler, D, ROW and seed."""
 
 
 rule fit:
@@ -7,18 +7,12 @@ rule fit:
     output:
         FIT_PATH,
     log:
-        "joblogs/fit/{experiment}/{variant}_{method}_{inference}_D{D}_ROW{ROW}_seed{seed}.log",
+        "joblogs/fit/{experiment}/{variant}_{method}_{sampler}_D{D}_ROW{ROW}_seed{seed}.log",
     params:
-        **{
-            key: lambda wildcards, key=key: settings(wildcards)[key]
-            for key in ("seed", "iterations", "chains", "temperature", "keep_history")
-        },
+        seed=lambda wildcards: settings(wildcards).seed,
         data=lambda wildcards: study.experiments[wildcards.experiment].data,
-        priors=lambda wildcards: study.experiments[wildcards.experiment].priors(wildcards.variant),
-        sampler=lambda wildcards: {
-            "averaged_draws": averaged_draws(wildcards.inference),
-            "empty_category": settings(wildcards)["empty_category"],
-        },
+        priors=priors_of,
+        sampler=lambda wildcards: plain(settings(wildcards).samplers[wildcards.sampler]),
         code=tracked("fit.py"),
     script:
         "../scripts/fit.py"

@@ -183,9 +183,9 @@ rule ratings:
         "joblogs/ratings/{experiment}.log",
     params:
         conditions=lambda wildcards: rated(wildcards.experiment),
-        rated=lambda wildcards: settings(wildcards)["generation"]["rated"],
+        rated=lambda wildcards: settings(wildcards).generation.rated,
         words=lambda wildcards: study.experiments[wildcards.experiment].words["action"],
-        seed=lambda wildcards: settings(wildcards)["seed"],
+        seed=lambda wildcards: settings(wildcards).seed,
         code=tracked("ratings.py"),
     script:
         "../scripts/ratings.py"
@@ -227,8 +227,8 @@ rule report:
     params:
         config=config_name(),
         droppable=list(dict(droppable())),
-        origins={name: origin_of(experiment) for name, experiment in study.experiments.items()},
-        settings={name: complete(portable(experiment)) for name, experiment in study.experiments.items()},
+        sources={name: source_in_words(experiment) for name, experiment in study.experiments.items()},
+        settings={name: overview(experiment) for name, experiment in study.experiments.items()},
         python=python_version(),
         packages=pinned_packages(),
         hashes={"code": study_hash(), "environment.lock": lock_hash()},

@@ -4,11 +4,11 @@ from dataclasses import replace
 from evaluation.pages.captions import caption, titled
 from evaluation.catalogue import CATEGORY_FIGURES, FIT_FIGURES, TABLE_FORMS, figure_of, files_of_tables, tables_of
 from workflow.artifacts.versions import pinned_packages, python_version, study_hash
-from workflow.plan.settings import complete, origin as origin_of, portable
+from workflow.plan.overview import overview, source_in_words
 
 TABLES = tables_of(
     {(name, task, D) for name in study.experiments for task in TASKS for D in study.tested_D(name, task)}
-    | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings["D"]},
+    | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings.D},
     {name: experiment.partial_variants for name, experiment in study.experiments.items()},
 )
 
@@ -24,7 +24,7 @@ def instructed_fits(wildcards):
 
 def largest_D(wildcards):
     """The largest D of an experiment, which its figure of the features shows."""
-    return max(settings(wildcards)["D"])
+    return max(settings(wildcards).D)
 
 
 def first_block(wildcards):
@@ -97,7 +97,7 @@ def rated(name):
 def rating_keys():
     """The key to each experiment's clips."""
     for name, experiment in study.experiments.items():
-        if acts(name) and experiment.settings["generation"]["rated"] > 0:
+        if acts(name) and experiment.settings.generation.rated > 0:
             yield f"ratings/{name}_key.csv"
 
 
@@ -116,9 +116,9 @@ def report_tables():
 def droppable():
     """Each set of which trials may be dropped, by name, and its feature table at the largest D that is used."""
     for name, experiment in study.experiments.items():
-        extraction = experiment.settings.get("feature_extraction", {})
-        if experiment.data == name and extraction.get("detection", {}).get("on_wrong_count") == "drop":
-            used = {"train": experiment.settings["D"]}
+        on_wrong_count = experiment.settings.feature_extraction.detection.on_wrong_count
+        if experiment.data == name and on_wrong_count == "drop":
+            used = {"train": experiment.settings.D}
             used |= {task: study.tested_D(name, task) for task in TASKS}
             for set_name, Ds in used.items():
                 if Ds:

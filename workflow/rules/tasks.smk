@@ -28,12 +28,13 @@ rule generate:
         scores=f"{GENERATION_PATH}/scores.csv",
         logs=directory(f"{GENERATION_PATH}/mcap"),
     log:
-        "joblogs/generate/{experiment}/{variant}_{method}_{inference}_D{D}_ROW{ROW}_seed{seed}.log",
+        "joblogs/generate/{experiment}/{variant}_{method}_{sampler}_D{D}_ROW{ROW}_seed{seed}.log",
     params:
         data=lambda wildcards: study.experiments[wildcards.experiment].data,
         simulation=lambda wildcards: simulation_of(study.experiments[wildcards.experiment].data),
-        seed=lambda wildcards: settings(wildcards)["seed"],
-        data_seed=lambda wildcards: study.experiments[study.experiments[wildcards.experiment].data].settings["seed"],
+        seed=lambda wildcards: settings(wildcards).seed,
+        stream=lambda wildcards: settings(wildcards).samplers[wildcards.sampler].stream,
+        data_seed=lambda wildcards: study.experiments[study.experiments[wildcards.experiment].data].settings.seed,
         code=tracked("generate.py"),
     script:
         "../scripts/generate.py"

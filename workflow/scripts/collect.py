@@ -4,13 +4,13 @@ from pathlib import Path
 
 from data_collection.episode import collect
 from data_collection.log.mcap_log import write_log
-from data_collection.settings import Simulation
+from data_collection.simulation_settings import Simulation
 from workflow.artifacts.provenance import parts_of_code
 from workflow.execution.job import job
 
 with job(snakemake):
     logs = collect(
-        Simulation.from_mapping(snakemake.params.simulation),
+        Simulation.model_validate(snakemake.params.simulation),
         experiment=snakemake.params.experiment,
         set_name=snakemake.params.set_name,
         trials=snakemake.params.trials,

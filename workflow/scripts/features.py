@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from features.extraction_settings import FeatureSettings
 from features.percept_data import first, join, load_percepts
-from features.settings import FeatureSettings
 from features.table import write_table
 from features.transforms import apply, fit_transforms, save_transforms, table_metadata
 from workflow.execution.job import job
@@ -13,7 +13,7 @@ with job(snakemake):
     D = int(snakemake.wildcards.D)
     names = ("features", snakemake.wildcards.experiment, D)
     percepts = first(join([load_percepts(Path(path)) for path in snakemake.input.percepts]), D)
-    extraction = FeatureSettings.from_mapping(snakemake.params.extraction | weights)
+    extraction = FeatureSettings.model_validate(snakemake.params.extraction | weights)
     transforms = fit_transforms(percepts, extraction, snakemake.params.seed, *names)
     save_transforms(Path(snakemake.output.transforms), transforms)
     write_table(

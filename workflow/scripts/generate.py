@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from data_collection.seeding import generator
-from data_collection.settings import Simulation
+from data_collection.simulation_settings import Simulation
 from evaluation.acting import carry_out, commands
 from evaluation.generation import answers, write_answers, write_distributions
 from features.percept_data import join, load_percepts
@@ -22,7 +22,7 @@ with job(snakemake):
     folder.mkdir(parents=True)
     judged: list[str | None] = [None] * len(answered)
     if params.simulation is not None:
-        condition = [names[key] for key in ("experiment", "variant", "method", "inference", "D", "ROW", "seed")]
+        condition = [names.experiment, names.variant, names.method, params.stream, names.D, names.ROW, names.seed]
         told = commands(
             generator(params.seed, "generate", *condition),
             fit,
@@ -32,7 +32,7 @@ with job(snakemake):
             join([load_percepts(Path(path)) for path in snakemake.input.percepts]).hand,
         )
         judged = carry_out(
-            Simulation.from_mapping(params.simulation),
+            Simulation.model_validate(params.simulation),
             told,
             experiment=params.data,
             seed=params.data_seed,

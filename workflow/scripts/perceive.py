@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from data_collection.log.mcap_log import read_log
+from features.extraction_settings import FeatureSettings
 from features.percept_data import save_percepts
 from features.percepts import perceive
-from features.settings import FeatureSettings
 from workflow.execution.job import job
 
 with job(snakemake):
@@ -13,6 +13,6 @@ with job(snakemake):
     percepts = perceive(
         (read_log(Path(path)) for path in snakemake.input.logs),
         read_log(Path(snakemake.input.calibration)),
-        FeatureSettings.from_mapping(snakemake.params.extraction | weights),
+        FeatureSettings.model_validate(snakemake.params.extraction | weights),
     )
     save_percepts(Path(snakemake.output[0]), percepts)

@@ -5,8 +5,8 @@ from pathlib import Path
 import cv2
 
 from data_collection.log.mcap_log import read_log
-from data_collection.settings import Simulation
 from data_collection.show import contact_sheet, gallery, save_png
+from data_collection.simulation_settings import Simulation
 from evaluation.figures.drawing import coarse, picture, save_figure
 from workflow.execution.job import job
 
@@ -16,5 +16,5 @@ with job(snakemake):
     # Noisy pictures are large as PNG; half the size and fewer shades still show hand, objects and words.
     half = cv2.resize(sheet, (sheet.shape[1] // 2, sheet.shape[0] // 2), interpolation=cv2.INTER_AREA)
     save_png(Path(snakemake.output.trials), coarse(half))
-    objects = gallery(Simulation.from_mapping(snakemake.params.simulation))
+    objects = gallery(Simulation.model_validate(snakemake.params.simulation))
     save_figure(picture(objects), *map(Path, snakemake.output.objects))

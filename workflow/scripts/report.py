@@ -21,10 +21,10 @@ with job(snakemake):
     made = {name: read_metadata(path) for name, path in zip(params.droppable, files.droppable, strict=True)}
     dropped = {name: json.loads(told.get("dropped", "[]")) for name, told in made.items()}
     sections = [
-        report.about(params.config, params.origins, read_scores([Path(files.scores)]), dropped),
+        report.about(params.config, params.sources, read_scores([Path(files.scores)]), dropped),
         *([report.claims(texts[0], texts[1] if len(texts) > 1 else None, shown)] if texts else []),
         report.tables(tables),
-        report.figures(figures, params.origins),
+        report.figures(figures, params.settings),
         report.diagnostics(chains),
         origins.settings(params.config, params.settings),
         origins.versions(params.python, params.packages, params.hashes),

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from model.compiled import compiled
 from model.data import Floats, Ints
-from model.distributions import draw_index
+from model.distributions.dirichlet import draw_index
 from model.frames import FrameList
+from model.kernels.words import word_counts
+from model.problem import Problem
+
+# Sentences of a method whose frames factorise are drawn in parts of at most so many words.
+MOST_JOINT_WORDS = 4
 
 
 class WordTable(NamedTuple):
@@ -29,47 +35,64 @@ class WordTable(NamedTuple):
     row: Ints
 
 
+def sweep_frames(rng: np.random.Generator, problem: Problem, z: Sequence[Ints], F: Ints, temperature: float) -> Ints:
+    """Draw F (T,) sentence by sentence given z and the frames of all other sentences; see `sweep_assignments`."""
+    if len(F) == 0:
+        return F
+    trials, allowed = problem.trials, problem.frame_prior.listed(problem.trials, MOST_JOINT_WORDS)
+    return _sweep_copy(
+        rng, F, temperature, trials.words[0], trials.sentence_bounds, word_table(problem, z, F), allowed
+    )
+
+
+def part_log_weights(problem: Problem, z: Sequence[Ints], F: Ints, start: int, length: int) -> Floats:
+    """(frames,) unnormalised log p(F = f | …) for the words start to start + length − 1, as `sweep_frames` draws."""
+    allowed = problem.frame_prior.listed(problem.trials, MOST_JOINT_WORDS)
+    return _part_log_weights(F, start, length, problem.trials.words[0], word_table(problem, z, F), allowed)
+
+
+def word_table(problem: Problem, z: Sequence[Ints], F: Ints) -> WordTable:
+    """The word counts of the categories of all channels."""
+    counts, gamma, rows, first = [], [], [], 0
+    for c, prior in enumerate(problem.priors):
+        counts.append(word_counts(problem, c, z[c], F))
+        gamma += [prior.word_concentration] * prior.categories
+        rows.append(first + z[c][problem.trials.word_speaker[c]])
+        first += prior.categories
+    table = np.concatenate(counts)
+    return WordTable(table, table.sum(axis=1), np.array(gamma), np.stack(rows))
+
+
 @compiled
-def sweep_frames(
+def _sweep_copy(
     rng: np.random.Generator,
     F: Ints,
     temperature: float,
     words: Ints,
     bounds: Ints,
-    counts: Floats,
-    gamma: Floats,
-    row: Ints,
-    frames: Ints,
-    frame_bounds: Ints,
+    table: WordTable,
+    allowed: FrameList,
 ) -> Ints:
     """Draw F sentence by sentence.
 
     Args:
-        rng: the fit's generator.
+        rng: The fit's generator.
         F: (T,) frames before.
-        temperature: divides the log weights; 1 for the posterior.
+        temperature: Divides the log weights; 1 for the posterior.
         words: (T,) index into the vocabulary.
         bounds: (D + 1,) the words of trial d are bounds[d] to bounds[d + 1] − 1.
-        counts: (L, W), this and what follows as in `WordTable`.
-        gamma: (L,).
-        row: (C, T).
-        frames: as in `FrameList`; longer sentences are drawn in parts, each given the others.
-        frame_bounds: as in `FrameList`.
+        table: Counts under F; used up.
+        allowed: The frames; longer sentences are drawn in parts, each given the others.
 
     Returns:
         F afterwards.
     """
-    table, allowed, F = (
-        WordTable(counts.copy(), counts.sum(axis=1), gamma, row),
-        FrameList(frames, frame_bounds),
-        F.copy(),
-    )
-    longest = frames.shape[1]
+    F, longest = F.copy(), allowed.frames.shape[1]
     for d in range(len(bounds) - 1):
         for start in range(bounds[d], bounds[d + 1], longest):
             length = min(longest, bounds[d + 1] - start)
             count_part(table, words, F, start, length, -1.0)
-            log_weights = frame_log_weights(table, words, start, length, allowed)
+            log_weights = grown_log_weights(table, words, start, length, allowed)
             chosen = allowed.bounds[length] + draw_index(rng, log_weights / temperature)
             for n in range(length):
                 F[start + n] = allowed.frames[chosen, n]
@@ -78,25 +101,14 @@ def sweep_frames(
 
 
 @compiled
-def part_log_weights(
-    F: Ints,
-    start: int,
-    length: int,
-    words: Ints,
-    counts: Floats,
-    gamma: Floats,
-    row: Ints,
-    frames: Ints,
-    frame_bounds: Ints,
-) -> Floats:
-    """`frame_log_weights` of `length` words within a state; arguments as in `sweep_frames`."""
-    table = WordTable(counts.copy(), counts.sum(axis=1), gamma, row)
+def _part_log_weights(F: Ints, start: int, length: int, words: Ints, table: WordTable, allowed: FrameList) -> Floats:
+    """`grown_log_weights` of `length` words within a state; arguments as in `_sweep_copy`."""
     count_part(table, words, F, start, length, -1.0)
-    return frame_log_weights(table, words, start, length, FrameList(frames, frame_bounds))
+    return grown_log_weights(table, words, start, length, allowed)
 
 
 @compiled
-def frame_log_weights(table: WordTable, words: Ints, start: int, length: int, allowed: FrameList) -> Floats:
+def grown_log_weights(table: WordTable, words: Ints, start: int, length: int, allowed: FrameList) -> Floats:
     """(frames,) unnormalised log probability of each frame of the words start to start + length − 1.
 
     The counts grow within a frame, where two of its words share a category.

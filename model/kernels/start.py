@@ -8,7 +8,7 @@ import numpy as np
 
 from model.compiled import compiled
 from model.data import Floats, Ints
-from model.distributions import draw_index
+from model.distributions.dirichlet import draw_index
 
 _ROUNDS = 10
 

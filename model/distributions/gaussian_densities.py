@@ -8,8 +8,8 @@ import numpy as np
 
 from model.compiled import compiled
 from model.data import Floats
-from model.gaussians import GaussianInverseWishart
-from model.linear_algebra import half_log_determinant, squared_length
+from model.distributions.gaussians import GaussianInverseWishart
+from model.distributions.triangular import half_log_determinant, squared_length
 from model.prior import GaussianPrior
 
 _LOG_2 = math.log(2.0)
@@ -69,22 +69,22 @@ def _squared_distances(
 
 
 @compiled
-def giw_log_density(law: GaussianInverseWishart, mean: Floats, factor: Floats) -> Floats:
+def giw_log_density(posterior: GaussianInverseWishart, mean: Floats, factor: Floats) -> Floats:
     """(K,) log density of μ and Σ = C Cᵀ under GIW(m, κ, V, ν), with respect to dμ dΣ."""
     K, dim = mean.shape
     result = np.empty(K)
     for k in range(K):
-        nu, kappa = law.freedom[k], law.strength[k]
+        nu, kappa = posterior.degrees_of_freedom[k], posterior.mean_precision[k]
         # Rows of Cᵀ for `squared_length`; the columns of L are the rows of U.
         sigma = factor[k].T.copy()
         half_log_sigma = half_log_determinant(sigma)
         trace = 0.0
         for j in range(dim):
-            trace += squared_length(sigma, law.upper[k, j].copy())
-        wishart = nu * half_log_determinant(law.upper[k]) - (nu + dim + 1) * half_log_sigma - 0.5 * trace
+            trace += squared_length(sigma, posterior.upper[k, j].copy())
+        wishart = nu * half_log_determinant(posterior.upper[k]) - (nu + dim + 1) * half_log_sigma - 0.5 * trace
         wishart -= 0.5 * nu * dim * _LOG_2 + log_multivariate_gamma(nu / 2.0, dim)
         normal = 0.5 * dim * (math.log(kappa) - _LOG_2 - _LOG_PI) - half_log_sigma
-        result[k] = wishart + normal - 0.5 * kappa * squared_length(sigma, mean[k] - law.mean[k])
+        result[k] = wishart + normal - 0.5 * kappa * squared_length(sigma, mean[k] - posterior.mean[k])
     return result
 
 
@@ -98,15 +98,17 @@ def log_multivariate_gamma(a: float, dim: int) -> float:
 
 
 @compiled
-def gaussian_log_marginal(prior: GaussianPrior, law: GaussianInverseWishart) -> float:
-    """Log density of the features behind `law`, the posterior, given z, all μ and Σ integrated out."""
-    dim = law.mean.shape[1]
-    before = log_multivariate_gamma(prior.freedom / 2.0, dim)
-    before -= 0.5 * dim * (prior.freedom * math.log(prior.scale) + math.log(prior.strength))
+def gaussian_log_marginal(prior: GaussianPrior, posterior: GaussianInverseWishart) -> float:
+    """Log density of the features behind `posterior`, the posterior, given z, all μ and Σ integrated out."""
+    dim = posterior.mean.shape[1]
+    before = log_multivariate_gamma(prior.degrees_of_freedom / 2.0, dim)
+    before -= 0.5 * dim * (prior.degrees_of_freedom * math.log(prior.scale) + math.log(prior.mean_precision))
     total = 0.0
-    for k in range(len(law.mean)):
-        if law.counts[k] > 0.0:
-            after = log_multivariate_gamma(law.freedom[k] / 2.0, dim) - 0.5 * dim * math.log(law.strength[k])
-            after -= law.freedom[k] * half_log_determinant(law.upper[k])
-            total += after - 0.5 * dim * law.counts[k] * _LOG_PI - before
+    for k in range(len(posterior.mean)):
+        if posterior.counts[k] > 0.0:
+            after = log_multivariate_gamma(posterior.degrees_of_freedom[k] / 2.0, dim) - 0.5 * dim * math.log(
+                posterior.mean_precision[k]
+            )
+            after -= posterior.degrees_of_freedom[k] * half_log_determinant(posterior.upper[k])
+            total += after - 0.5 * dim * posterior.counts[k] * _LOG_PI - before
     return total

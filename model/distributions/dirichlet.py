@@ -10,17 +10,9 @@ from model.compiled import compiled
 from model.data import Floats, Ints
 
 
-def log_sum(values: Floats) -> Floats:
-    """Log Σ exp along the last axis, which is kept, of an array of any shape; −inf where all values are."""
-    top = np.max(values, axis=-1, keepdims=True)
-    finite = np.where(np.isneginf(top), 0.0, top)
-    with np.errstate(divide="ignore"):
-        return np.asarray(finite + np.log(np.sum(np.exp(values - finite), axis=-1, keepdims=True)))
-
-
 @compiled
 def log_total(values: Floats) -> float:
-    """Log Σ exp of (K,) values: `log_sum` for compiled code."""
+    """Log Σ exp of (K,) values: `log_space.log_sum` for compiled code."""
     top = values.max()
     if top == -np.inf:
         return -np.inf

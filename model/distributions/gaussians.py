@@ -11,7 +11,7 @@ import numpy as np
 
 from model.compiled import compiled
 from model.data import Floats, Ints
-from model.linear_algebra import factorise
+from model.distributions.triangular import factorise
 from model.prior import GaussianPrior
 
 # χ² variates of nearly no degree of freedom underflow; the floor keeps covariances finite.
@@ -24,23 +24,23 @@ class GaussianInverseWishart(NamedTuple):
     Attributes:
         counts: (K,) the number of points n behind each; a category without any has the prior.
         mean: (K, dim) m.
-        strength: (K,) κ.
+        mean_precision: (K,) κ.
         upper: (K, dim, dim) U with V = Uᵀ U; below the diagonal 0.
-        freedom: (K,) ν.
+        degrees_of_freedom: (K,) ν.
     """
 
     counts: Floats
     mean: Floats
-    strength: Floats
+    mean_precision: Floats
     upper: Floats
-    freedom: Floats
+    degrees_of_freedom: Floats
 
 
 @compiled
-def fit_category(law: GaussianInverseWishart, k: int, prior: GaussianPrior, features: Floats, z: Ints) -> None:
-    """Set category k of `law` to its posterior given the points with z = k, as Algorithm 1 draws from it."""
+def fit_category(posterior: GaussianInverseWishart, k: int, prior: GaussianPrior, features: Floats, z: Ints) -> None:
+    """Set category k of `posterior` to its posterior given the points with z = k, as Algorithm 1 draws from it."""
     dim = features.shape[1]
-    count, centre, upper = 0, np.zeros(dim), law.upper[k]
+    count, centre, upper = 0, np.zeros(dim), posterior.upper[k]
     for i in range(len(z)):
         if z[i] == k:
             count += 1
@@ -48,11 +48,11 @@ def fit_category(law: GaussianInverseWishart, k: int, prior: GaussianPrior, feat
     upper[:] = 0.0
     for j in range(dim):
         upper[j, j] = prior.scale
-    law.counts[k] = count
-    law.strength[k] = prior.strength + count
-    law.freedom[k] = prior.freedom + count
+    posterior.counts[k] = count
+    posterior.mean_precision[k] = prior.mean_precision + count
+    posterior.degrees_of_freedom[k] = prior.degrees_of_freedom + count
     if count == 0:
-        law.mean[k] = prior.mean
+        posterior.mean[k] = prior.mean
         for j in range(dim):
             upper[j, j] = prior.scale**0.5
         return
@@ -66,8 +66,8 @@ def fit_category(law: GaussianInverseWishart, k: int, prior: GaussianPrior, feat
             _add_square(upper, deviation, 1.0)
     for j in range(dim):
         deviation[j] = centre[j] - prior.mean
-        law.mean[k, j] = (prior.strength * prior.mean + count * centre[j]) / law.strength[k]
-    _add_square(upper, deviation, prior.strength * count / law.strength[k])
+        posterior.mean[k, j] = (prior.mean_precision * prior.mean + count * centre[j]) / posterior.mean_precision[k]
+    _add_square(upper, deviation, prior.mean_precision * count / posterior.mean_precision[k])
     factorise(upper, prior.scale)
 
 
@@ -82,39 +82,28 @@ def _add_square(matrix: Floats, vector: Floats, weight: float) -> None:
 
 
 @compiled
-def gaussian_posterior(
-    features: Floats, z: Ints, K: int, m0: float, kappa0: float, scale: float, nu0: float
-) -> GaussianInverseWishart:
-    """Posterior of the K Gaussians of a channel given features (N, dim) and categories z (N,).
-
-    The prior comes as four numbers, `*prior.gaussian(dim)`: named tuples are slow to hand to compiled code.
-    """
-    dim, prior = features.shape[1], GaussianPrior(m0, kappa0, scale, nu0)
-    law = GaussianInverseWishart(np.empty(K), np.empty((K, dim)), np.empty(K), np.empty((K, dim, dim)), np.empty(K))
+def gaussian_posterior(features: Floats, z: Ints, K: int, prior: GaussianPrior) -> GaussianInverseWishart:
+    """Posterior of the K Gaussians of a channel given features (N, dim) and categories z (N,)."""
+    dim = features.shape[1]
+    posterior = GaussianInverseWishart(
+        np.empty(K), np.empty((K, dim)), np.empty(K), np.empty((K, dim, dim)), np.empty(K)
+    )
     for k in range(K):
-        fit_category(law, k, prior, features, z)
-    return law
+        fit_category(posterior, k, prior, features, z)
+    return posterior
 
 
 @compiled
 def draw_posterior_gaussians(
-    rng: np.random.Generator,
-    features: Floats,
-    z: Ints,
-    K: int,
-    averaged_draws: int,
-    m0: float,
-    kappa0: float,
-    scale: float,
-    nu0: float,
+    rng: np.random.Generator, features: Floats, z: Ints, K: int, averaged_draws: int, prior: GaussianPrior
 ) -> tuple[Floats, Floats]:
     """Draw μ (K, dim) and the lower Cholesky factor of Σ (K, dim, dim) from `gaussian_posterior`."""
-    return draw_gaussians(rng, gaussian_posterior(features, z, K, m0, kappa0, scale, nu0), averaged_draws)
+    return draw_gaussians(rng, gaussian_posterior(features, z, K, prior), averaged_draws)
 
 
 @compiled
 def draw_gaussians(
-    rng: np.random.Generator, law: GaussianInverseWishart, averaged_draws: int
+    rng: np.random.Generator, posterior: GaussianInverseWishart, averaged_draws: int
 ) -> tuple[Floats, Floats]:
     """Draw μ (K, dim) and the lower Cholesky factor of Σ (K, dim, dim) from K GIW distributions.
 
@@ -123,29 +112,29 @@ def draw_gaussians(
 
     Args:
         rng: the fit's generator.
-        law: the K distributions.
+        posterior: the K distributions.
         averaged_draws: μ is the mean of so many draws given Σ. Above 1 this is not Gibbs sampling
             any more (docs/model.md, The two samplers).
     """
-    K, dim = law.mean.shape
+    K, dim = posterior.mean.shape
     mean, factor = np.empty((K, dim)), np.zeros((K, dim, dim))
     R, noise = np.zeros((dim, dim)), np.empty(dim)
     for k in range(K):
         for i in range(dim):
             for j in range(i):
                 R[i, j] = rng.standard_normal()
-            square = 2.0 * rng.standard_gamma((law.freedom[k] - dim + 1 + i) / 2.0)
+            square = 2.0 * rng.standard_gamma((posterior.degrees_of_freedom[k] - dim + 1 + i) / 2.0)
             R[i, i] = max(square, _SMALLEST_SQUARE) ** 0.5
         # The mean of n standard normal draws is one draw of variance 1/n.
-        spread = 1.0 / (law.strength[k] * averaged_draws) ** 0.5
+        spread = 1.0 / (posterior.mean_precision[k] * averaged_draws) ** 0.5
         for i in range(dim):
             noise[i] = spread * rng.standard_normal()
         for i in range(dim):
-            _divide_row(law.upper[k], i, R, factor[k, i])
+            _divide_row(posterior.upper[k], i, R, factor[k, i])
             shift = 0.0
             for j in range(i + 1):
                 shift += factor[k, i, j] * noise[j]
-            mean[k, i] = law.mean[k, i] + shift
+            mean[k, i] = posterior.mean[k, i] + shift
     return mean, factor
 
 

@@ -1,7 +1,7 @@
 """The collapsed sampler's conditional of z: one element given all others, π, φ and θ integrated out.
 
 The counts and Gaussians of the others are kept while a sweep goes on: an element is taken out, weighed against each
-category, and put into the one that is drawn (docs/model.md, The two samplers).
+category, and put into the one that is drawn (docs/model.md, The samplers).
 """
 
 from __future__ import annotations
@@ -13,10 +13,18 @@ import numpy as np
 
 from model.compiled import compiled
 from model.data import Flags, Floats, Ints
-from model.distributions import draw_index
-from model.gaussians import GaussianInverseWishart, fit_category, gaussian_posterior
-from model.predictive import add_point, change_count, remove_point, student_constant, student_log_density
+from model.distributions.dirichlet import draw_index
+from model.distributions.gaussians import GaussianInverseWishart, fit_category, gaussian_posterior
+from model.distributions.predictive import (
+    add_point,
+    change_count,
+    remove_point,
+    student_constant,
+    student_log_density,
+)
+from model.kernels.words import word_counts
 from model.prior import GaussianPrior
+from model.problem import Problem
 
 
 class Elements(NamedTuple):
@@ -47,94 +55,105 @@ class Statistics(NamedTuple):
     """What the categories of one channel know.
 
     Attributes:
-        law: posterior of the Gaussians.
+        posterior: posterior of the Gaussians.
         constant: (K,) log of the constant of each predictive Student distribution.
         words: (K, W) how often each category was the reason of each word.
         word_totals: (K,) sums of `words` over the vocabulary.
         empty: (N,) log density of each element under a category without elements.
     """
 
-    law: GaussianInverseWishart
+    posterior: GaussianInverseWishart
     constant: Floats
     words: Floats
     word_totals: Floats
     empty: Floats
 
 
-@compiled
 def sweep_assignments(
-    rng: np.random.Generator,
-    z: Ints,
-    temperature: float,
-    word_counts: Floats,
-    features: Floats,
-    words: Ints,
-    order: Ints,
-    bounds: Ints,
-    explained: Flags,
-    weight: float,
-    gamma: float,
-    m0: float,
-    kappa0: float,
-    scale: float,
-    nu0: float,
-) -> tuple[Ints, Floats]:
-    """Draw z^x of a channel, one element after the other.
+    rng: np.random.Generator, problem: Problem, c: int, z: Ints, F: Ints, temperature: float
+) -> Ints:
+    """Draw z of channel c, one element after the other; `temperature` (1 for the posterior) divides log weights."""
+    return _sweep_copy(rng, elements_of(problem, c, F), word_counts(problem, c, z, F), z, temperature)
 
-    From categories `z` (N,) and their `word_counts` (K, W); `temperature` divides the log weights and is 1 for
-    the posterior. All other arguments are those of `Elements`, the last four those of `GaussianPrior`.
 
-    Returns:
-        z afterwards, and the word counts that belong to it.
-    """
-    prior = GaussianPrior(m0, kappa0, scale, nu0)
-    elements = Elements(features, words, order, bounds, explained, prior, weight, gamma)
-    statistics, z = channel_statistics(elements, word_counts, z), z.copy()
+def element_log_weights(problem: Problem, c: int, z: Ints, F: Ints, i: int) -> Floats:
+    """(K,) unnormalised log p(z_i = k | …) of element i of channel c, which `sweep_assignments` draws from."""
+    return _element_log_weights(elements_of(problem, c, F), word_counts(problem, c, z, F), z, i)
+
+
+def elements_of(problem: Problem, c: int, F: Ints) -> Elements:
+    """What the kernels know of channel c, given the frames F (T,)."""
+    trials, prior = problem.trials, problem.priors[c]
+    return Elements(
+        trials.channels[c].features,
+        trials.words[c],
+        *trials.words_by_element[c],
+        problem.explained(F, c),
+        problem.gaussian(c),
+        prior.concentration / prior.categories,
+        prior.word_concentration,
+    )
+
+
+@compiled
+def _sweep_copy(rng: np.random.Generator, elements: Elements, counts: Floats, z: Ints, temperature: float) -> Ints:
+    """Draw z (N,) from categories z and their word counts (K, W), see `sweep`."""
+    statistics, z = channel_statistics(elements, counts, z), z.copy()
     sweep(rng, elements, statistics, z, temperature)
-    return z, statistics.words
+    return z
+
+
+@compiled
+def _element_log_weights(elements: Elements, counts: Floats, z: Ints, i: int) -> Floats:
+    """`category_log_weights` (K,) of element i within a state."""
+    statistics, z, own_words = channel_statistics(elements, counts, z), z.copy(), words_of_element(elements, i)
+    old, z[i] = z[i], -1
+    remove_element(elements, statistics, z, i, old)
+    count_words(statistics, old, own_words, -1.0)
+    return category_log_weights(elements, statistics, i, own_words, np.empty(elements.features.shape[1]))
 
 
 @compiled
 def sweep(rng: np.random.Generator, elements: Elements, statistics: Statistics, z: Ints, temperature: float) -> None:
-    """Draw z, see `sweep_assignments`; z and the statistics change in place."""
-    law, dim = statistics.law, elements.features.shape[1]
+    """Draw the category of each element in turn; z and the statistics change in place."""
+    posterior, dim = statistics.posterior, elements.features.shape[1]
     offset, mean, upper = np.empty(dim), np.empty(dim), np.empty((dim, dim))
     for i in range(len(z)):
         old, own_words = z[i], words_of_element(elements, i)
-        mean[:], upper[:], constant = law.mean[old], law.upper[old], statistics.constant[old]
+        mean[:], upper[:], constant = posterior.mean[old], posterior.upper[old], statistics.constant[old]
         z[i] = -1
         remove_element(elements, statistics, z, i, old)
         count_words(statistics, old, own_words, -1.0)
-        log_weights = assignment_log_weights(elements, statistics, i, own_words, offset)
+        log_weights = category_log_weights(elements, statistics, i, own_words, offset)
         new = draw_index(rng, log_weights / temperature)
         z[i] = new
         count_words(statistics, new, own_words, 1.0)
         if new == old:  # Exactly as it was, and cheaper than an update.
-            law.mean[old], law.upper[old], statistics.constant[old] = mean, upper, constant
-            change_count(law, old, 1.0)
+            posterior.mean[old], posterior.upper[old], statistics.constant[old] = mean, upper, constant
+            change_count(posterior, old, 1.0)
         else:
             add_element(elements, statistics, i, new)
 
 
 @compiled
-def channel_statistics(elements: Elements, word_counts: Floats, z: Ints) -> Statistics:
+def channel_statistics(elements: Elements, counts: Floats, z: Ints) -> Statistics:
     """What the categories know, computed from all elements (N,) and word counts (K, W)."""
-    features, (m0, kappa0, scale, nu0) = elements.features, elements.gaussian
-    law = gaussian_posterior(features, z, len(word_counts), m0, kappa0, scale, nu0)
+    features, prior = elements.features, elements.gaussian
+    posterior = gaussian_posterior(features, z, len(counts), prior)
     # One empty category; numbers written as literals would compile the callees once more.
-    nothing = gaussian_posterior(features[:0], z[:0], min(1, len(word_counts)), m0, kappa0, scale, nu0)
+    nothing = gaussian_posterior(features[:0], z[:0], min(1, len(counts)), prior)
     only = len(nothing.mean) - 1
-    constant, empty, offset = np.empty(len(word_counts)), np.empty(len(features)), np.empty(features.shape[1])
+    constant, empty, offset = np.empty(len(counts)), np.empty(len(features)), np.empty(features.shape[1])
     for k in range(len(constant)):
-        constant[k] = student_constant(law, k)
+        constant[k] = student_constant(posterior, k)
     constant_of_nothing = student_constant(nothing, only)
     for i in range(len(features)):
         empty[i] = student_log_density(nothing, only, constant_of_nothing, features[i], offset)
-    return Statistics(law, constant, word_counts.copy(), word_counts.sum(axis=1), empty)
+    return Statistics(posterior, constant, counts.copy(), counts.sum(axis=1), empty)
 
 
 @compiled
-def assignment_log_weights(
+def category_log_weights(
     elements: Elements, statistics: Statistics, i: int, own_words: Ints, offset: Floats
 ) -> Floats:
     """(K,) unnormalised log p(z_i = k | …) of element i, from statistics without it.
@@ -146,15 +165,15 @@ def assignment_log_weights(
         own_words: the words that point at the element; counts grow from one to the next.
         offset: (dim,) working space.
     """
-    law = statistics.law
+    posterior = statistics.posterior
     K, W = statistics.words.shape
     result = np.empty(K)
     for k in range(K):
-        if law.counts[k] == 0.0:
+        if posterior.counts[k] == 0.0:
             emission = statistics.empty[i]
         else:
-            emission = student_log_density(law, k, statistics.constant[k], elements.features[i], offset)
-        result[k] = math.log(law.counts[k] + elements.weight) + emission
+            emission = student_log_density(posterior, k, statistics.constant[k], elements.features[i], offset)
+        result[k] = math.log(posterior.counts[k] + elements.weight) + emission
         for n in range(len(own_words)):
             count, total = statistics.words[k, own_words[n]] + elements.gamma, statistics.word_totals[k] + n
             for earlier in range(n):
@@ -167,16 +186,16 @@ def assignment_log_weights(
 @compiled
 def remove_element(elements: Elements, statistics: Statistics, z: Ints, i: int, k: int) -> None:
     """Take the features of element i, which z no longer gives to category k, out of that category."""
-    if not remove_point(statistics.law, k, elements.features[i]):
-        fit_category(statistics.law, k, elements.gaussian, elements.features, z)
-    statistics.constant[k] = student_constant(statistics.law, k)
+    if not remove_point(statistics.posterior, k, elements.features[i]):
+        fit_category(statistics.posterior, k, elements.gaussian, elements.features, z)
+    statistics.constant[k] = student_constant(statistics.posterior, k)
 
 
 @compiled
 def add_element(elements: Elements, statistics: Statistics, i: int, k: int) -> None:
     """Put the features of element i into category k."""
-    add_point(statistics.law, k, elements.features[i])
-    statistics.constant[k] = student_constant(statistics.law, k)
+    add_point(statistics.posterior, k, elements.features[i])
+    statistics.constant[k] = student_constant(statistics.posterior, k)
 
 
 @compiled
@@ -198,30 +217,3 @@ def count_words(statistics: Statistics, k: int, own_words: Ints, change: float) 
     for word in own_words:
         statistics.words[k, word] += change
         statistics.word_totals[k] += change
-
-
-@compiled
-def element_log_weights(
-    z: Ints,
-    i: int,
-    word_counts: Floats,
-    features: Floats,
-    words: Ints,
-    order: Ints,
-    bounds: Ints,
-    explained: Flags,
-    weight: float,
-    gamma: float,
-    m0: float,
-    kappa0: float,
-    scale: float,
-    nu0: float,
-) -> Floats:
-    """`assignment_log_weights` (K,) of element i within a state; arguments as in `sweep_assignments`."""
-    prior = GaussianPrior(m0, kappa0, scale, nu0)
-    elements = Elements(features, words, order, bounds, explained, prior, weight, gamma)
-    statistics, z, own_words = channel_statistics(elements, word_counts, z), z.copy(), words_of_element(elements, i)
-    old, z[i] = z[i], -1
-    remove_element(elements, statistics, z, i, old)
-    count_words(statistics, old, own_words, -1.0)
-    return assignment_log_weights(elements, statistics, i, own_words, np.empty(features.shape[1]))

@@ -1,0 +1,1 @@
+"""Distributions: draws, densities and conjugate posteriors."""

@@ -1,0 +1,33 @@
+"""Posterior means of π, φ and θ given z and F, so that all samplers can end with the same parameters."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from model.data import Floats
+from model.distributions.gaussians import gaussian_posterior
+from model.kernels.words import word_concentration
+from model.problem import Problem
+from model.state import Partition, State
+
+
+def posterior_means(problem: Problem, state: Partition) -> State:
+    """The state with π, φ and θ at their posterior means.
+
+    Where the mean of Σ does not exist, with ν_n ≤ dim + 1 (an empty category, and ν0 ≤ dim + 1), its mode stands in.
+    """
+    log_weights, mean, factor, log_words = [], [], [], []
+    for c, (channel, prior) in enumerate(zip(problem.trials.channels, problem.priors, strict=True)):
+        posterior = gaussian_posterior(channel.features, state.z[c], prior.categories, problem.gaussian(c))
+        excess = posterior.degrees_of_freedom - channel.dim - 1.0
+        divisor = np.where(excess > 0.0, excess, posterior.degrees_of_freedom + channel.dim + 1.0)
+        log_weights.append(_log_means(posterior.counts + prior.concentration / prior.categories))
+        mean.append(posterior.mean)
+        factor.append(np.ascontiguousarray(posterior.upper.transpose(0, 2, 1)) / np.sqrt(divisor)[:, None, None])
+        log_words.append(_log_means(word_concentration(problem, c, state.z[c], state.F)))
+    return State(state.z, state.F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
+
+
+def _log_means(concentration: Floats) -> Floats:
+    """Logarithms of the means of Dirichlet distributions along the last axis."""
+    return np.asarray(np.log(concentration / concentration.sum(axis=-1, keepdims=True)))

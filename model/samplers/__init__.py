@@ -1,0 +1,20 @@
+"""The samplers by kind: the object that holds a sampler's settings is the sampler.
+
+A kind is a module with a subclass of `Sampler`, and its name in `Kinds`.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, get_args
+
+from pydantic import Field
+
+from model.samplers.base import Sampler
+from model.samplers.blocked import Blocked
+from model.samplers.collapsed import Collapsed
+
+Kinds = Blocked | Collapsed
+AnySampler = Annotated[Kinds, Field(discriminator="kind")]
+SAMPLERS: dict[str, type[Sampler[Any]]] = {kind.model_fields["kind"].default: kind for kind in get_args(Kinds)}
+
+__all__ = ["SAMPLERS", "AnySampler", "Blocked", "Collapsed", "Sampler"]
