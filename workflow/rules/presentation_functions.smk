@@ -99,9 +99,9 @@ def feature_inputs(name):
 
 
 def trial_inputs(name):
-    files, _ = simulation_inputs(name) or (None, None)
-    logs = [log_path(name, "train", trial) for trial in study.trials(name, "train")[:12]]
-    return None if files is None else ({"logs": logs}, {})
+    if simulation_inputs(name) is None:  # an experiment that shares the data of another has no trials of its own
+        return None
+    return {"logs": [log_path(name, "train", trial) for trial in study.trials(name, "train")[:12]]}, {}
 
 
 def simulation_inputs(name):
