@@ -92,7 +92,12 @@ def readable_differences(found: pd.DataFrame, measures: Sequence[str]) -> pd.Dat
     most = found["n"].max() if len(found) else 0
     text = [_cell(*values, most) for values in zip(found["mean"], found["sd"], found["n"], found["p"], strict=True)]
     wide = found[keys].assign(measure=found["measure"], text=text)
-    wide = wide.pivot(index=keys, columns="measure", values="text").reindex(columns=list(measures)).fillna("–")
+    wide = (
+        wide.pivot(index=keys, columns="measure", values="text")
+        .reindex(columns=list(measures))
+        .astype(object)
+        .fillna("–")
+    )
     rows = found[keys].drop_duplicates().join(wide, on=keys)
     pairs = zip(rows["method"], rows["other"], strict=True)
     rows["difference"] = [f"{letter(method)} − {letter(other)}" for method, other in pairs]

@@ -71,10 +71,10 @@ def prepare(place: Path, out: Path, patch: Mapping[str, Any]) -> Path:
 
 
 def in_words(jobs: Mapping[str, int]) -> str:
-    """How the page says which jobs are run; the blocks of trials count as one rule."""
+    """How the page says which jobs are run; the blocks of trials count as one rule, and the figures as well."""
     merged: Counter[str] = Counter()
     for rule, count in jobs.items():
-        merged["collect" if rule.startswith("collect_") else rule] += count
+        merged[re.sub("^(collect|figure)_.*", r"\1", rule)] += count
     ordered = sorted(merged.items(), key=lambda item: (item[0] == "all", -item[1], item[0]))
     return f"{sum(merged.values())} jobs: " + ", ".join(f"{count} {rule}" for rule, count in ordered)
 

@@ -10,12 +10,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from evaluation.catalogue import MEASURES, tables_of
+from evaluation.catalogue import tables_of
 from evaluation.claims.paper import ACTION_WORDS, CLAIMS
 from evaluation.claims.verdicts import description_scores, judge_claims, read_descriptions
+from evaluation.measures import MEASURES, shown
 from evaluation.metrics import f1_macro
 from evaluation.pages.claims import claims_html, write_claims
-from evaluation.tables import render
+from evaluation.rendering import write
+from evaluation.tables import sheet_of_scores
 from tests.evaluation.hand_made import scores_of
 
 SEEDS = 10
@@ -38,7 +40,7 @@ def as_the_paper_says(experiment: str, method: str, D: int, ROW: int, measure: s
     return level - ROW / 500 + D / 2000
 
 
-MEASURED = [(task, measure) for task, measures in MEASURES.items() for measure in measures]
+MEASURED = [(task, measure) for task in MEASURES for measure in shown([task])]
 
 
 def results(level: Level) -> pd.DataFrame:
@@ -74,7 +76,7 @@ def descriptions(mistake: tuple[str, str] = ("reach", "touch"), bad: str = "acti
                         rows.append((D, ROW, seed, trial, channel, word, said))
     told = pd.DataFrame(rows, columns=["D", "ROW", "seed", "trial", "channel", "true", "described"])
     same = {"experiment": "simulator", "variant": "default", "task": "description", "method": "proposed"}
-    return told.assign(**same, inference="blocked", averaged_draws=1, chains=1)
+    return told.assign(**same, sampler="published")
 
 
 def verdicts(scores: pd.DataFrame, told: pd.DataFrame) -> dict[int, str]:
@@ -144,7 +146,7 @@ def test_what_a_study_did_not_run_is_not_run() -> None:
 def test_other_variants_and_samplers_are_not_the_papers() -> None:
     scores = results(as_the_paper_says)
     assert set(verdicts(scores.assign(variant="small_alpha"), descriptions()).values()) <= {"not run", "holds"}
-    assert verdicts(scores.assign(inference="collapsed"), descriptions())[1] == "not run"
+    assert verdicts(scores.assign(sampler="collapsed"), descriptions())[1] == "not run"
 
 
 def test_the_same_results_give_the_same_verdicts() -> None:
@@ -170,7 +172,7 @@ def test_measures_of_parts_of_descriptions() -> None:
 def test_every_link_leads_to_a_cell(tmp_path: Path) -> None:
     scores = results(as_the_paper_says)
     for name, table in tables_of(set(zip(scores.experiment, scores.task, scores.D, strict=True))).items():
-        render(scores, table, tmp_path / "tables", name)
+        write(name, sheet_of_scores(scores, table), tmp_path / "tables")
     claims, comparisons = judge_claims(scores, descriptions())
     write_claims(claims, comparisons, tmp_path / "claims.csv", tmp_path / "rows.csv", tmp_path / "claims.html")
     page = (tmp_path / "claims.html").read_text()

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from evaluation.confusion import KEYS, count_confusions, of_method
+from evaluation.confusion import count_confusions, of_method
 from evaluation.figures.confusion import confusion_figure
+from evaluation.scores import SEEDS
 
 WORDS = {"action": ["reach", "grasp"], "position": ["left"], "object": ["cup"], "color": ["red", "blue"]}
 PAIRS = [("reach", "grasp"), ("reach", "grasp"), ("red", "red"), ("blue", "hello"), ("cup", "red")]
@@ -14,7 +15,7 @@ PAIRS = [("reach", "grasp"), ("reach", "grasp"), ("red", "red"), ("blue", "hello
 
 @pytest.fixture
 def described() -> pd.DataFrame:
-    condition = {"experiment": "own", "inference": "blocked", "averaged_draws": 1, "chains": 1}
+    condition = {"experiment": "own", "sampler": "published"}
     return pd.DataFrame(
         [
             condition
@@ -42,7 +43,7 @@ def described() -> pd.DataFrame:
 
 def test_counts_add_up_over_the_seeds(described: pd.DataFrame) -> None:
     counts = count_confusions(described, WORDS)
-    assert list(counts.columns) == [*KEYS, "true", "described", "count"]
+    assert list(counts.columns) == [*SEEDS, "true", "described", "count"]
     totals = counts.groupby(["variant", "method", "D", "ROW"])["count"].sum()
     assert totals.to_dict() == described.groupby(["variant", "method", "D", "ROW"]).size().to_dict()
     one = counts[(counts.method == "mmlda") & (counts["count"] > 0)]

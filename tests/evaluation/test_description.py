@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from sklearn.metrics import accuracy_score, f1_score
 
-from evaluation.description import FRAME, describe_trials
+from evaluation.description import FRAME, Descriptions, describe_trials
+from evaluation.measures import measured
 from evaluation.metrics import accuracy, confusion, f1_macro
 from features.table import FeatureTable
 from model import Fit
@@ -38,7 +39,8 @@ def test_truth_is_what_the_tutor_said(proposed: Fit, table: FeatureTable) -> Non
     assert table.truth_action is not None
     assert told.true[::4] == tuple(table.truth_action)
     silent = replace(table, words=tuple(() for _ in table.words))
-    assert describe_trials(proposed, silent, WORDS).measures() == {"F1": None, "ACC": None}
+    nothing = measured("description", describe_trials(proposed, silent, WORDS), WORDS)
+    assert nothing == {"F1": None, "ACC": None, "ACC_chance": None}
 
 
 def test_no_description_was_learned_without_words(table: FeatureTable) -> None:
@@ -55,6 +57,12 @@ def test_measures_are_those_of_scikit_learn() -> None:
     )
     # By hand: a 2·1/(2+2), b 1, c and d 0.
     assert f1_macro(true, said) == pytest.approx((0.5 + 1.0) / 4)
+
+
+def test_chance_of_a_word() -> None:
+    words = {"action": ["reach", "touch", "grasp", "look-at"], "color": ["red", "blue"]}
+    told = Descriptions((1, 1, 2), ("action", "color", "color"), ("reach", "red", "blue"), ("touch", "red", "red"))
+    assert measured("description", told, words)["ACC_chance"] == pytest.approx(1.25 / 3)
 
 
 def test_a_confusion_matrix_counts_every_pair() -> None:

@@ -12,7 +12,8 @@ from matplotlib.container import ErrorbarContainer
 from matplotlib.patches import Rectangle
 
 from evaluation.figures.drawing import save_figure
-from evaluation.figures.instructions import answers_figure, uncertain_figure
+from evaluation.figures.instructions import answers_figure
+from evaluation.figures.uncertain import uncertain_figure
 from evaluation.generation import answers, write_distributions
 from evaluation.uncertain.answers import answer_uncertain
 from evaluation.uncertain.instructions import KINDS, instructions

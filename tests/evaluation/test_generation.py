@@ -6,14 +6,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from evaluation.acting import commands
-from evaluation.generation import answers, measures, objects_of, read_answers, write_answers
+from evaluation.generation import answers, objects_of, read_answers, write_answers
+from evaluation.measures import measured
 from features.table import FeatureTable
 from features.transforms import Transforms
 from model import Fit
 from model.prediction import Answer
+from tests.synthetic import WORDS
 
 REST = np.array([0.05, -0.3, 0.2])
 
@@ -91,10 +94,32 @@ def test_answers_are_kept_and_measured(table: FeatureTable, tmp_path: Path) -> N
     assert kept["chosen"].tolist()[:3] == ["0", "0 2", "1"]
     assert kept["ignored"].tolist()[0] == "blorp"
     n = len(scores)
-    assert measures(kept) == {"OAR": pytest.approx(1.5 / n), "WAR": pytest.approx(1 / (n - 1))}
+    measures = measured("generation", kept, WORDS)
+    assert (measures["OAR"], measures["WAR"]) == (pytest.approx(1.5 / n), pytest.approx(1 / (n - 1)))
 
 
 def test_unknown_truth_leaves_the_measures_empty(proposed: Fit, table: FeatureTable, tmp_path: Path) -> None:
     blind = replace(table, attended_object=np.full(len(table.trial), -1), truth_action=None)
     write_answers(blind, answers(proposed, blind), [None] * len(table.trial), tmp_path / "answers.csv")
-    assert measures(read_answers(tmp_path / "answers.csv")) == {"OAR": None, "WAR": None}
+    measures = measured("generation", read_answers(tmp_path / "answers.csv"), WORDS)
+    assert (measures["OAR"], measures["WAR"]) == (None, None)
+
+
+def test_chance_of_the_object_and_of_the_action() -> None:
+    """Three instructions, of which the object of the last is not known."""
+    answered = pd.DataFrame(
+        {
+            "objects": [2, 3, 1],
+            "object_right": [1.0, 0.0, None],
+            "action": ["reach", "touch", "touch"],
+            "judged": ["reach", None, None],
+        }
+    )
+    measures = measured("generation", answered, {"action": ["reach", "touch", "grasp", "look-at"]})
+    assert measures["OAR_chance"] == pytest.approx((1 / 2 + 1 / 3) / 2)
+    assert measures["WAR_chance"] == 0.25
+
+
+def test_nothing_executed_and_nothing_known() -> None:
+    answered = pd.DataFrame({"objects": [2], "object_right": [None], "action": ["reach"], "judged": [None]})
+    assert set(measured("generation", answered, WORDS).values()) == {None}

@@ -16,7 +16,7 @@ from evaluation.figures.fit import word_distributions
 from evaluation.pages.page import table
 from evaluation.pages.ratings import write_page
 from evaluation.scores import write_csv
-from evaluation.table_forms import Grid, text_forms
+from evaluation.table_forms import Grid, Sheet, files
 from model import Fit
 
 WORDS = (
@@ -68,8 +68,11 @@ def grid(words: tuple[str, ...] = WORDS) -> Grid:
     return Grid("Words", cells, bold=pd.DataFrame({"word": [i % 2 == 0 for i in range(len(words))]}))
 
 
+SHEET = Sheet("Title", (grid(),), "note", {})
+
+
 def test_the_page_of_a_table() -> None:
-    page = Reader(text_forms("Title", [grid()], "note")["html"])
+    page = Reader(files(SHEET)[".html"])
     assert set(page.tags) <= TAGS | {"b", "p"}
     assert [text for text in page.texts if text in WORDS] == list(WORDS)
     inner = Reader(table(grid().cells))
@@ -78,7 +81,7 @@ def test_the_page_of_a_table() -> None:
 
 
 def test_markdown() -> None:
-    lines = text_forms("Title", [grid()], "note")["md"].splitlines()
+    lines = files(SHEET)[".md"].splitlines()
     rows = [line for line in lines if line.startswith("|")][2:]
     assert len(rows) == len(WORDS)
     for word, row in zip(WORDS, rows, strict=True):
@@ -90,7 +93,7 @@ def test_markdown() -> None:
 
 
 def test_latex() -> None:
-    lines = text_forms("Title", [grid()], "note")["tex"].splitlines()
+    lines = files(SHEET)[".tex"].splitlines()
     rows = [line for line in lines if line.endswith(r"& 1 \\")]
     assert len(rows) == len(WORDS)
     for row in rows:

@@ -10,43 +10,39 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from evaluation.catalogue import FIGURES
+from evaluation.catalogue import FIGURES, ShownFigure, shown_figure
 from evaluation.pages import origins, report
 from evaluation.pages.page import Part, Section, page
 from evaluation.scores import COLUMNS
+from evaluation.table_forms import Grid, Sheet
 from tests.browser import look, needs_chromium
 
-TABLE = "<!doctype html><html><body><h1>{title}</h1>\n{table}\n<p>A note.</p></body></html>"
-ROWS = "<table><thead><tr><th>EAR</th></tr></thead><tbody><tr><td>0.5</td></tr></tbody></table>"
-CELLS = '<table><caption>{}</caption><tr><td id="cell">0.25</td></tr></table>'
+ROWS = pd.DataFrame({"EAR": ["0.5"]})
 
 
 @pytest.fixture
-def tables(tmp_path: Path) -> list[Path]:
+def tables() -> dict[str, Sheet]:
     """A plain table, and two that show the same cell."""
-    folder = tmp_path / "tables"
-    folder.mkdir()
-    texts = {
-        "table_1a": TABLE.format(title="Table 1A. a &lt; b", table=ROWS),
-        "table_1b": TABLE.format(
-            title="Table 1B",
-            table=CELLS.format("Table 1B") + ROWS.replace("<thead>", "<caption>Differences</caption><thead>"),
-        ),
-        "own_csl": TABLE.format(title="Learning, own", table=CELLS.format("Learning, own")),
+
+    def with_cell(title: str) -> Grid:
+        return Grid(title, pd.DataFrame({"ARI": ["0.25"]}), names=pd.DataFrame({"ARI": ["cell"]}))
+
+    grids = {
+        "table_1a": (Grid("Table 1A. a < b", ROWS), Grid("Nothing", ROWS[:0])),
+        "table_1b": (with_cell("Table 1B"), Grid("Differences", ROWS)),
+        "own_csl": (with_cell("Learning, own"),),
     }
-    for name, text in texts.items():
-        (folder / f"{name}.html").write_text(text, encoding="utf-8")
-    return [folder / f"{name}.html" for name in texts]
+    return {name: Sheet(own[0].caption, own, "A note.", {}) for name, own in grids.items()}
 
 
 @pytest.fixture
-def figures(tmp_path: Path) -> list[Path]:
-    folder = tmp_path / "figures"
-    folder.mkdir()
-    paths = [folder / name for name in ("own_words.png", "own_two_positions.png", "own_words.gif", "own_odd.png")]
-    for path in paths:
-        Image.new("RGB", (40, 30), "red").save(path)
-    return paths
+def figures(tmp_path: Path) -> list[ShownFigure]:
+    names = (("words", "own"), ("positions", "own_two"), ("action", "own"), ("confusion_{method}", "own", "mmlda"))
+    (tmp_path / "figures").mkdir()
+    shown = [shown_figure(*one) for one in names]
+    for figure in shown:
+        Image.new("RGB", (40, 30), "red").save(tmp_path / figure.path)
+    return shown
 
 
 @pytest.fixture
@@ -62,7 +58,7 @@ def claimed() -> pd.DataFrame:
 @pytest.fixture
 def scores() -> pd.DataFrame:
     rows = [
-        (experiment, "default", task, method, "blocked", 1, 1, 5, ROW, seed, measure, 0.5)
+        (experiment, "default", task, method, "published", 5, ROW, seed, measure, 0.5)
         for experiment in ("own", "own_two")
         for task, measure in (("csl", "EAR"), ("csl", "ARI_a"), ("description", "ACC"))
         for method, ROW in (("proposed", 0), ("proposed", 40), ("gmm", 100))
@@ -80,20 +76,20 @@ CHAINS = pd.DataFrame(
         ("own", "gmm", 5, 100, "log_joint", 1.0, 50.0),
     ],
     columns=["experiment", "method", "D", "ROW", "quantity", "r_hat", "ess_bulk"],
-)
+).assign(variant="default", sampler="published")
 EXPERIMENTS = ("own", "own_two")
 
 
 @pytest.fixture
 def whole(
-    tables: list[Path], figures: list[Path], claimed: pd.DataFrame, scores: pd.DataFrame, tmp_path: Path
+    tables: dict[str, Sheet], figures: list[ShownFigure], claimed: pd.DataFrame, scores: pd.DataFrame, tmp_path: Path
 ) -> Path:
     """A report with every section."""
     sections = [
         report.about("own.yaml", dict.fromkeys(EXPERIMENTS, "simulated trials"), scores),
-        report.claims(claimed, claimed, {path.stem for path in tables}),
+        report.claims(claimed, claimed, tables),
         report.tables(tables),
-        report.figures(figures, EXPERIMENTS),
+        report.figures(figures, tmp_path),
         report.diagnostics({"own_D5": CHAINS}),
         origins.settings("own.yaml", {"own": {"words": {"color": ["rouge", "grün"]}, "K": 10}}),
         origins.versions("3.11", {"numpy": "2.0"}, {"code": "0a1b"}),
@@ -139,7 +135,7 @@ def test_claims_of_other_columns_are_shown(claimed: pd.DataFrame) -> None:
     assert re.findall("<th>(.*?)</th>", body) == ["claim", "verdict", "paper", "rests on"]
 
 
-def test_every_table_has_its_anchor(tables: list[Path]) -> None:
+def test_every_table_has_its_anchor(tables: dict[str, Sheet]) -> None:
     parts = report.tables(tables).parts
     assert [part.anchor for part in parts] == ["table_1a", "table_1b", "own_csl"]
     assert parts[0].title == "Table 1A. a < b"
@@ -147,30 +143,25 @@ def test_every_table_has_its_anchor(tables: list[Path]) -> None:
     assert "<p>A note.</p>" in parts[0].body
     assert 'href="tables/table_1a.csv"' in parts[0].body
     assert re.findall("<caption>.*?</caption>", parts[1].body) == ["<caption>Differences</caption>"]
+    assert re.findall('id="(.*?)"', parts[1].body) == ["table_1b.cell"]
 
 
-def test_another_page_than_a_tables_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "table_9.html"
-    path.write_text("<html><body><h1>Title</h1></body></html>")
-    with pytest.raises(ValueError, match=r"table_9.html: not the page of a table"):
-        report.tables([path])
-
-
-def test_figures_say_what_they_show(figures: list[Path]) -> None:
-    parts = report.figures(figures, EXPERIMENTS).parts
-    assert [part.title for part in parts] == ["Words, own", "Positions, own_two", "Words, own", "Odd, own"]
+def test_figures_say_what_they_show(figures: list[ShownFigure], tmp_path: Path) -> None:
+    parts = report.figures(figures, tmp_path).parts
+    titles = ["Words, own", "Positions, own_two", "Action, own", "Confusion mmlda, own"]
+    assert [part.title for part in parts] == titles
     assert len({part.anchor for part in parts}) == len(parts)
     assert "In the paper: Figures 4A and 8A." in parts[0].body
     assert FIGURES["positions"].caption in parts[1].body
     assert 'src="data:image/gif;base64,' in parts[2].body
 
 
-def test_a_large_animation_is_linked(figures: list[Path]) -> None:
-    with figures[2].open("ab") as file:
+def test_a_large_animation_is_linked(figures: list[ShownFigure], tmp_path: Path) -> None:
+    with (tmp_path / figures[2].path).open("ab") as file:
         file.write(bytes(1_500_000))
-    body = report.figures(figures, EXPERIMENTS).parts[2].body
+    body = report.figures(figures, tmp_path).parts[2].body
     assert "<img" not in body
-    assert '<a href="figures/own_words.gif">figures/own_words.gif</a>' in body
+    assert '<a href="figures/own_action.gif">figures/own_action.gif</a>' in body
 
 
 def test_diagnostics_tell_the_worst() -> None:
@@ -212,13 +203,13 @@ def test_a_browser_shows_all_of_it(whole: Path, tmp_path: Path, window: str) -> 
 def test_the_browser_would_tell_what_is_wrong(whole: Path, tmp_path: Path) -> None:
     """The look itself: a broken image, a lost link, what is fetched, and a page that is too wide are seen."""
     text = whole.read_text(encoding="utf-8")
-    text = re.sub(r'(alt="Odd, own\.?" src="data:image/png;base64,)[^"]*', r"\1AAAA", text)
+    text = re.sub(r'(alt="Words, own[^"]*" src="data:image/png;base64,)[^"]*', r"\1AAAA", text)
     address = "http://127.0.0.1:9/x.png"  # nobody listens there
     added = f'<a href="#nowhere">x</a><img src="{address}" style="width: 2000px; max-width: none; height: 9px">'
     text = text.replace("img-src data:", "img-src data: http:").replace("</main>", f"{added}</main>")
     whole.write_text(text, encoding="utf-8")
     seen = look(whole, tmp_path)
-    assert [alternative.rstrip(".") for alternative in seen.broken_images] == ["Odd, own", ""]
+    assert [alternative.partition(".")[0] for alternative in seen.broken_images] == ["Words, own", ""]
     assert seen.lost_links == ["nowhere"]
     assert seen.fetched == [address]
     assert seen.silent_images == 1

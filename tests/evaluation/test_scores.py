@@ -9,15 +9,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from evaluation.learning import csl_measures
+from evaluation.learning import Learned
+from evaluation.measures import measured
 from evaluation.scores import COLUMNS, join_scores, read_scores, score_rows, write_scores
 from features.table import FeatureTable
 from model import Fit
 from tests.evaluation.conftest import fit_of
 from tests.synthetic import WORDS
 
-CONDITION = {"experiment": "own", "variant": "default", "task": "csl", "method": "proposed", "inference": "blocked"}
-NUMBERS = {"averaged_draws": 1, "chains": 1, "D": 12, "ROW": 0, "seed": 1}
+CONDITION = {"experiment": "own", "variant": "default", "task": "csl", "method": "proposed", "sampler": "published"}
+NUMBERS = {"D": 12, "ROW": 0, "seed": 1}
 
 
 def perfect(fit: Fit, table: FeatureTable) -> Fit:
@@ -30,7 +31,7 @@ def perfect(fit: Fit, table: FeatureTable) -> Fit:
 
 
 def test_the_truth_scores_one(proposed: Fit, table: FeatureTable) -> None:
-    measures = csl_measures(perfect(proposed, table), table, WORDS)
+    measures = measured("csl", Learned(perfect(proposed, table), table), WORDS)
     assert {name: value for name, value in measures.items() if name.startswith(("ARI", "EAR"))} == dict.fromkeys(
         ("ARI_a", "ARI_p", "ARI_o", "ARI_c", "ARI_p_attended", "ARI_o_attended", "ARI_c_attended", "EAR"), 1.0
     )
@@ -43,7 +44,7 @@ def test_attended_measures_see_attended_objects_only(proposed: Fit, table: Featu
     z = [part.copy() for part in fit.state.z]
     unattended = np.setdiff1d(np.arange(len(z[2])), table.attended_row)
     z[2][unattended] = np.arange(len(unattended)) % 10
-    measures = csl_measures(replace(fit, state=replace(fit.state, z=tuple(z))), table, WORDS)
+    measures = measured("csl", Learned(replace(fit, state=replace(fit.state, z=tuple(z))), table), WORDS)
     assert measures["ARI_o_attended"] == 1.0
     assert measures["ARI_o"] is not None
     assert measures["ARI_o"] < 1.0
@@ -53,13 +54,13 @@ def test_a_wrong_frame_costs_one_word(proposed: Fit, table: FeatureTable) -> Non
     fit = perfect(proposed, table)
     F = fit.state.F.copy()
     F[0] = (F[0] + 1) % 4
-    measures = csl_measures(replace(fit, state=replace(fit.state, F=F)), table, WORDS)
+    measures = measured("csl", Learned(replace(fit, state=replace(fit.state, F=F)), table), WORDS)
     assert measures["EAR"] == pytest.approx(1 - 1 / len(F))
 
 
 @pytest.mark.parametrize(("method", "words"), [("mmlda", True), ("proposed", False), ("gmm", False)])
 def test_ear_is_empty_without_frames_or_words(table: FeatureTable, method: str, words: bool) -> None:
-    assert csl_measures(fit_of(table, method, words), table, WORDS)["EAR"] is None
+    assert measured("csl", Learned(fit_of(table, method, words), table), WORDS)["EAR"] is None
 
 
 def test_score_files_keep_every_digit(out: Path) -> None:

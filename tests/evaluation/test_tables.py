@@ -10,8 +10,10 @@ import pandas as pd
 import pytest
 
 from evaluation.catalogue import Table, files_of_tables, tables_of
+from evaluation.measures import chance_note, shown
+from evaluation.rendering import write
 from evaluation.scores import COLUMNS
-from evaluation.tables import best, readable, render, select, summarise
+from evaluation.tables import best, readable, select, sheet_of_scores, summarise
 from tests.evaluation.hand_made import scores_of
 
 VALUES = {
@@ -20,13 +22,14 @@ VALUES = {
     ("proposed", 40): [0.1, 0.3, np.nan],
     ("gmm", 100): [np.nan, np.nan, np.nan],
 }
-TABLE = Table("A table", "own", ("csl",), ("ARI_a", "EAR"), 20)
+TABLE = Table("A table", "own", ("csl",), 20)
+MEASURES = ("ARI_a", "EAR")
 
 
 @pytest.fixture
 def scores() -> pd.DataFrame:
     rows = [
-        ("own", "default", "csl", method, "blocked", 1, 1, D, ROW, seed + 1, measure, value + (D == 40))
+        ("own", "default", "csl", method, "published", D, ROW, seed + 1, measure, value + (D == 40))
         for (method, ROW), values in VALUES.items()
         for D in (40, 20)
         for seed, value in enumerate(values)
@@ -36,7 +39,7 @@ def scores() -> pd.DataFrame:
 
 
 def test_means_and_deviations(scores: pd.DataFrame) -> None:
-    summary = summarise(select(scores, TABLE), TABLE.measures)
+    summary = summarise(select(scores, TABLE), MEASURES)
     assert summary[["method", "ROW"]].to_numpy().tolist() == [
         ["proposed", 0],
         ["mmlda", 0],
@@ -53,15 +56,15 @@ def test_means_and_deviations(scores: pd.DataFrame) -> None:
 
 def test_one_seed_has_no_deviation(scores: pd.DataFrame) -> None:
     one = scores[scores.seed == 1]
-    summary = summarise(select(one, TABLE), TABLE.measures)
-    assert readable(summary, TABLE.measures)["EAR"].tolist() == ["0.200", "0.500", "0.100", "–"]
+    summary = summarise(select(one, TABLE), MEASURES)
+    assert readable(summary, MEASURES)["EAR"].tolist() == ["0.200", "0.500", "0.100", "–"]
 
 
 def test_keys_that_do_not_change_are_left_out(scores: pd.DataFrame) -> None:
-    both = summarise(select(scores, Table("All", "own", ("csl",), ("EAR",))), ("EAR",))
+    both = summarise(select(scores, Table("All", "own", ("csl",))), ("EAR",))
     assert list(readable(both, ("EAR",)).columns) == ["D", "ROW (%)", "method", "EAR", "seeds"]
-    one = summarise(select(scores, TABLE), TABLE.measures)
-    assert list(readable(one, TABLE.measures).columns) == ["ROW (%)", "method", "ARI_a", "EAR", "seeds"]
+    one = summarise(select(scores, TABLE), MEASURES)
+    assert list(readable(one, MEASURES).columns) == ["ROW (%)", "method", "ARI_a", "EAR", "seeds"]
 
 
 class Cells(HTMLParser):
@@ -77,8 +80,8 @@ class Cells(HTMLParser):
 
 
 def test_every_form_shows_the_same(scores: pd.DataFrame, tmp_path: Path) -> None:
-    render(scores, TABLE, tmp_path, "table")
-    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(files_of_tables(["table"]))
+    write("table", sheet_of_scores(scores, TABLE), tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(files_of_tables({"table": TABLE}))
     texts = {form: (tmp_path / f"table.{form}").read_text() for form in ("md", "tex", "html")}
     page = Cells()
     page.feed(texts["html"])
@@ -97,18 +100,18 @@ def test_every_form_shows_the_same(scores: pd.DataFrame, tmp_path: Path) -> None
 
 def test_a_column_has_its_best_value_in_bold(scores: pd.DataFrame, tmp_path: Path) -> None:
     """At ROW 0 of D = 20 both have 0.5: a tie. At ROW 40 the one method has nobody to be better than."""
-    render(scores, TABLE, tmp_path, "table")
+    write("table", sheet_of_scores(scores, TABLE), tmp_path)
     assert (tmp_path / "table.md").read_text().count("**0.500 ± 0.361**") == 2
     assert (tmp_path / "table.tex").read_text().count(r"\textbf{0.500 $\pm$ 0.000}") == 2
     assert (tmp_path / "table.html").read_text().count("<b>0.500 ± 0.361</b>") == 2
     assert "**0.200" not in (tmp_path / "table.md").read_text()
     higher = scores.assign(value=scores["value"] + (scores["method"] == "mmlda") * 0.01)
-    marks = best(summarise(select(higher, TABLE), TABLE.measures), TABLE.measures)
+    marks = best(summarise(select(higher, TABLE), MEASURES), MEASURES)
     assert marks["EAR"].tolist() == [False, True, False, False]
 
 
 def test_n_is_told_where_a_seed_does_not_define_the_measure(scores: pd.DataFrame) -> None:
-    shown = readable(summarise(select(scores, TABLE), TABLE.measures), TABLE.measures)
+    shown = readable(summarise(select(scores, TABLE), MEASURES), MEASURES)
     assert shown["EAR"].tolist()[2:] == ["0.200 ± 0.141 (n = 2)", "–"]
     assert "n =" not in shown["EAR"][0]
 
@@ -123,7 +126,7 @@ def test_chance_stands_beside_its_measure() -> None:
 
 def test_table_5_shows_both_tasks(tmp_path: Path) -> None:
     tables = tables_of([("real", "description", 25), ("real", "description", 40), ("real", "generation", 25)])
-    assert tables["table_5"].measures == ("F1", "ACC", "WAR", "OAR")
+    assert shown(tables["table_5"].tasks) == ("F1", "ACC", "WAR", "OAR")
     scores = scores_of(
         {
             ("description", "proposed", 25, 0, "F1"): [0.1, 0.3],
@@ -132,14 +135,14 @@ def test_table_5_shows_both_tasks(tmp_path: Path) -> None:
         },
         "real",
     )
-    render(scores, tables["table_5"], tmp_path, "table_5")
+    write("table_5", sheet_of_scores(scores, tables["table_5"]), tmp_path)
     written = pd.read_csv(tmp_path / "table_5.csv")
     assert written[["D", "F1_mean", "seeds"]].to_numpy().tolist() == [[25, 0.2, 2], [40, 0.4, 2]]
     assert written["OAR_n"].tolist() == [2, 0]
 
 
 def test_a_table_shows_the_tasks_that_are_run() -> None:
-    assert tables_of([("real", "generation", 25)])["table_5"].measures == ("WAR", "OAR")
+    assert shown(tables_of([("real", "generation", 25)])["table_5"].tasks) == ("WAR", "OAR")
 
 
 def test_a_variant_of_one_figure_is_in_the_experiments_table_only(tmp_path: Path) -> None:
@@ -147,11 +150,19 @@ def test_a_variant_of_one_figure_is_in_the_experiments_table_only(tmp_path: Path
     scores = pd.concat([usual, usual.assign(variant="few")], ignore_index=True)
     tables = tables_of([("real", "csl", 25)], {"real": ["few"]})
     for name, variants in (("table_4", ["default"]), ("real_csl", ["default", "few"])):
-        render(scores, tables[name], tmp_path, name)
+        write(name, sheet_of_scores(scores, tables[name]), tmp_path)
         assert pd.read_csv(tmp_path / f"{name}.csv")["variant"].tolist() == variants
     # With one variant left, nothing has to say which it is.
     assert "variant" not in (tmp_path / "table_4.md").read_text()
 
 
 def test_the_tables_of_a_study() -> None:
-    assert set(tables_of([("simulator", "csl", 20), ("own", "csl", 5)])) == {"table_1a", "simulator_csl", "own_csl"}
+    tables = tables_of([("simulator", "csl", 20), ("own", "csl", 5), ("own", "uncertain", 5)])
+    assert set(tables) == {"table_1a", "simulator_csl", "own_csl", "own_uncertain"}
+    assert "own_uncertain_differences.csv" not in files_of_tables(tables)
+
+
+def test_a_note_tells_the_chance_of_the_measures_that_are_shown() -> None:
+    assert chance_note(("EAR", "F1")) == ""
+    assert chance_note(("WAR", "OAR")).startswith("Chance: of WAR, an action")
+    assert "of ACC, a word of the right channel at random" in chance_note(("F1", "ACC"))

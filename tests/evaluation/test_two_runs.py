@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from evaluation.two_runs import compare
 from evaluation.scores import write_csv
+from evaluation.two_runs import compare
 from tests.evaluation.hand_made import scores_of
 from workflow.artifacts.provenance import ROOT
 
@@ -46,7 +46,7 @@ def test_a_shift_is_found_and_named() -> None:
     compared = compare(run(1, shift=4.0), run(2))
     assert verdicts(run(1, shift=4.0), run(2)) == {"differs": 1, "explained by the seeds": 15}
     assert not compared.explained
-    assert "simulator default blocked csl D 22 ROW 0 proposed ARI_o: " in compared.summary()
+    assert "simulator default published csl D 22 ROW 0 proposed ARI_o: " in compared.summary()
 
 
 def cell(values: list[float]) -> pd.DataFrame:
@@ -74,7 +74,7 @@ def test_cells_of_one_run_only_are_told_and_change_nothing() -> None:
     more = pd.concat([run(1), scores_of({("csl", "proposed", 20, 0, "EAR"): [1.0]}, experiment="real")])
     compared = compare(more, run(1))
     assert compared.explained
-    assert "1 cells are only in the results:\n  real default blocked csl D 20: 1 of EAR\n" in compared.summary()
+    assert "1 cells are only in the results:\n  real default published csl D 20: 1 of EAR\n" in compared.summary()
     assert "only in the reference" in compare(run(1), more).summary()
 
 

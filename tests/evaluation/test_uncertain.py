@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from evaluation.catalogue import TABLE_FORMS
+from evaluation.catalogue import Table
+from evaluation.rendering import write
 from evaluation.uncertain.answers import (
     MEASURES,
     answer_uncertain,
@@ -19,12 +20,11 @@ from evaluation.uncertain.answers import (
     measures_of,
     object_probabilities,
     read_uncertain,
-    render_uncertain,
-    summarise_uncertain,
     write_uncertain,
 )
 from evaluation.uncertain.instructions import KINDS, Instruction, fitting, instructions
 from evaluation.uncertain.scenes import OBJECT_CHANNELS, Scene
+from evaluation.uncertain.table import sheet_of_answers, summarise_uncertain
 from features.table import FeatureTable, head
 from model import Fit
 from model.prediction import Answer, understand
@@ -36,13 +36,12 @@ CONDITION = {
     "experiment": "own",
     "variant": "default",
     "method": "proposed",
-    "inference": "blocked",
+    "sampler": "published",
     "D": 12,
     "ROW": 0,
     "seed": 1,
-    "averaged_draws": 1,
-    "chains": 1,
 }
+TABLE = Table("Uncertain", "own", ("uncertain",))
 
 
 @pytest.fixture(scope="module")
@@ -189,7 +188,7 @@ def test_an_unknown_word_is_ignored_and_noted(
     assert kept.drop("unknown_word")["ignored"].isna().all()
     same = ["entropy", "OAR_fit", "mass_fit"]
     assert np.allclose(kept.loc["unknown_word", same].to_numpy(float), kept.loc["words_4", same].to_numpy(float))
-    render_uncertain(kept.reset_index(), "Uncertain", {form: tmp_path / f"t.{form}" for form in TABLE_FORMS})
+    write("t", sheet_of_answers(kept.reset_index(), TABLE), tmp_path)
     assert "left out: blorp." in (tmp_path / "t.md").read_text()
 
 
@@ -210,7 +209,7 @@ def test_a_table_without_truth_leaves_the_measures_empty(proposed: Fit, table: F
     assert not {"no_fit", "two_alike", "two_alike_place"} & {one.kind for one in asked}
     write_uncertain(answer_uncertain(CONDITION, proposed, asked), tmp_path / "own.csv")
     answered = read_uncertain([tmp_path / "own.csv"])
-    render_uncertain(answered, "Uncertain", {form: tmp_path / f"t.{form}" for form in TABLE_FORMS})
+    write("t", sheet_of_answers(answered, TABLE), tmp_path)
     assert "it is not known which objects fit" in (tmp_path / "t.md").read_text()
     summary = summarise_uncertain(answered).set_index("kind")
     # No word and action words fit any object, whatever it is.

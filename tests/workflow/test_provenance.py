@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
 
+from evaluation.catalogue import FIGURES
 from workflow.artifacts import provenance
-from workflow.artifacts.provenance import ROOT, imported_files
+from workflow.artifacts.provenance import ROOT, code_is_unchanged, imported_files, rule_code
 
 SCRIPTS = ROOT / "workflow" / "scripts"
+FIT = "evaluation/figures/fit.py"
+FIGURE_MODULES = {ROOT / figure.module for figure in FIGURES.values()}
 
 
 def names(script: str) -> set[str]:
@@ -37,7 +41,7 @@ READERS = ("__doc__", "getdoc", "getsource", "get_docstring", "use_attribute_doc
 
 def test_no_job_reads_docstrings() -> None:
     """They are in no digest; the schema of the features' settings, which has one, only tells people what they are."""
-    modules = set().union(*(imported_files(script) for script in SCRIPTS.glob("*.py")))
+    modules = imported_files(*SCRIPTS.glob("*.py"), *FIGURE_MODULES)
     assert len(modules) > 80
     readers = {
         path.relative_to(ROOT).as_posix() for path in modules if any(name in path.read_text() for name in READERS)
@@ -55,16 +59,30 @@ def test_every_script_is_found_in_a_rule() -> None:
     rules = "".join(path.read_text() for path in (ROOT / "workflow" / "rules").glob("*.smk"))
     for script in SCRIPTS.glob("*.py"):
         assert f'"../scripts/{script.name}"' in rules
-        assert f'tracked("{script.name}")' in rules
+        assert re.search(rf'code=tracked\("{script.name}"(, figure.module)?\)', rules), script
 
 
 def test_no_module_is_imported_in_a_way_that_reading_imports_misses() -> None:
-    """Relative imports, and imports by a name made at run time, would be left out of the hash."""
-    for path in set().union(*(imported_files(script) for script in SCRIPTS.glob("*.py"))):
+    """Relative imports, and imports by a name made at run time, would be left out of the hash.
+
+    The one such import is that of a figure's module, which the rule of the figure gives to `tracked` as well.
+    """
+    importers = ("import_module", "__import__", "run_path", "run_module", "resolve_name")
+    for path in imported_files(*SCRIPTS.glob("*.py"), *FIGURE_MODULES):
         for node in ast.walk(ast.parse(path.read_bytes())):
             assert not (isinstance(node, ast.ImportFrom) and node.level), path
             called = ast.unparse(node.func) if isinstance(node, ast.Call) else ""
-            assert not called.endswith(("import_module", "__import__", "run_path", "run_module")), path
+            assert not called.endswith(importers) or path == SCRIPTS / "figure.py", path
+
+
+def test_a_figure_depends_on_its_own_module_and_not_on_others() -> None:
+    """A change of one figure draws that one again."""
+    for figure in FIGURES.values():
+        files = imported_files(SCRIPTS / "figure.py", ROOT / figure.module)
+        assert ROOT / figure.module in files
+    assert ROOT / "evaluation/figures/confusion.py" not in imported_files(SCRIPTS / "figure.py", ROOT / FIT)
+    assert rule_code(SCRIPTS / "figure.py", FIT) != rule_code(SCRIPTS / "figure.py")
+    assert code_is_unchanged(SCRIPTS / "figure.py", FIT)
 
 
 def test_a_changed_import_changes_the_hash(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

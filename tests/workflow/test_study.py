@@ -14,6 +14,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from evaluation.catalogue import FIGURES
 from tests.browser import look, needs_chromium
 from tests.workflow.runs import SMOKE, command, hashes, jobs, run
 from workflow.artifacts.provenance import ROOT
@@ -171,10 +172,11 @@ def test_only_new_conditions_run(finished: Path, tmp_path: Path) -> None:
     # 2 methods: ROW 80 × 3 seeds, ROW 0 and 40 × the new seed; ALL × the new seed.
     assert ran.pop("fit") == 2 * 3 + 2 * 2 + 1
     assert ran.pop("generate") == 2 * 1  # 2 methods × the new seed at ROW 0
-    assert ran.pop("figure_of_confusion") == 2
-    sums = ["evaluate_learning", "describe", "evaluate_generation", "diagnose", "scores", "tables", "figure_of_fit"]
-    sums += ["claims", "uncertain", "present_uncertain", "figure_of_instructions", "report"]
-    sums += ["figure_of_categories", "count_confusions", "figure_of_generation", "ratings"]
+    assert ran.pop("figure_confusion") == 2
+    sums = ["evaluate_learning", "describe", "evaluate_generation", "diagnose", "scores", "tables", "claims"]
+    sums += ["uncertain", "report", "count_confusions", "ratings"]
+    of_data = {"features", "trials", "objects"}
+    sums += [f"figure_{name}" for name in FIGURES if name not in of_data and "{" not in name]
     assert ran == dict.fromkeys([*sums, "all"], 1)
     after = hashes(out)
     kept = [name for name in before if name.split("/")[0] in ("mcap", "percepts", "features", "fits")]

@@ -133,7 +133,8 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
         chosen = {tracked[i] for i in hooks.decide(plan)}
         if plan.for_real:
             calm.running = True
-            forks.preload({path for job in chosen for path in (_script(job), *(ROOT / name for name in _modules(job)))})
+            told = {ROOT / module for job in chosen for module in _modules(job)}
+            forks.preload({_script(job) for job in chosen} | told)
             dag.workflow.iocache.deactivate()  # it has seen files that the decision removed, and missed restored ones
             # Its limit of jobs a second has the scheduler look at all jobs again once a second for each job that has
             # ended: after some hundreds it does little else.
