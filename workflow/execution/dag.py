@@ -22,6 +22,7 @@ class Job:
         outputs: path by role, relative to OUT.
         log: path of its log, relative to OUT.
         forced: the user asked Snakemake to run it in any case.
+        script: what it runs.
     """
 
     rule: str
@@ -31,6 +32,7 @@ class Job:
     outputs: dict[str, str]
     log: str = ""
     forced: bool = False
+    script: Path = Path()
 
     @property
     def stage(self) -> str:

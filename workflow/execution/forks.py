@@ -27,9 +27,10 @@ def preload(scripts: Iterable[Path]) -> None:
     _context.set_forkserver_preload(["workflow.execution.loaded"])
 
 
-def run(script: str) -> int:
-    """Run a script in a fork; its exit status, or minus the signal that ended it."""
-    process = _context.Process(target=runpy.run_path, args=(script,), kwargs={"run_name": "__main__"})
+def run(script: Path, snakemake: object = None) -> int:
+    """Run a script in a fork, with what Snakemake gives it; its exit status, or minus the signal that ended it."""
+    names = {"init_globals": {"snakemake": snakemake}, "run_name": "__main__"}
+    process = _context.Process(target=runpy.run_path, args=(str(script),), kwargs=names)
     with _one_at_a_time:
         process.start()
     wait([process.sentinel])

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections import Counter
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from itertools import count
@@ -60,6 +62,8 @@ class Keeper:
             else:
                 fetched = not job.forced and key in self._store
             (restored if fetched else needed).append(i)
+        if for_real:
+            _order_times(self._out, jobs)
         kept = len(jobs) - len(restored) - len(needed)
         _say(f"artifacts of {kept} jobs are kept, of {len(restored)} come from the cache, of {len(needed)} are made")
         if for_real:
@@ -115,6 +119,24 @@ def _judge(out: Path, jobs: Sequence[Job], keys: Sequence[str]) -> _Judged:
     found = {path: each.sha256 for path, each in contents(out, sorted(right)).items() if each is not None}
     sound = {path: record for path, record in right.items() if found.get(path) == record.sha256}
     return _Judged(sound, sorted(found.keys() - sound.keys()), dict(sorted(stale.items())))
+
+
+def _order_times(out: Path, jobs: Sequence[Job]) -> None:
+    """See to it that no artifact looks older than what it was made from, or Snakemake would make it again."""
+    for job in jobs:
+        newest = max((_time(out / path) for path in job.inputs.values()), default=0)
+        for path in [out / path for path in job.outputs.values() if 0 < _time(out / path) < newest]:
+            for each in (path, path / ".snakemake_timestamp"):  # the latter counts for a folder
+                with suppress(OSError):
+                    os.utime(each, ns=(newest, newest))
+
+
+def _time(path: Path) -> int:
+    """When a file or folder was changed, in nanoseconds; 0 if it is not there."""
+    try:
+        return path.stat().st_mtime_ns
+    except OSError:
+        return 0
 
 
 def _set_aside(out: Path, path: str) -> None:

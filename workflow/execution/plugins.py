@@ -1,0 +1,222 @@
+"""What Snakemake calls during a run, through its registries of plugins: executors, and the handler of its log."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from signal import Signals
+from types import SimpleNamespace
+from typing import Any
+
+from snakemake.iocontainers import InputFiles, Log, OutputFiles, Params, Wildcards
+from snakemake_interface_executor_plugins.executors.base import AbstractExecutor, SubmittedJobInfo
+from snakemake_interface_executor_plugins.registry import ExecutorPluginRegistry
+from snakemake_interface_logger_plugins.base import LogHandlerBase
+from snakemake_interface_logger_plugins.registry import LoggerPluginRegistry
+
+from workflow.artifacts.provenance import ROOT, code_is_unchanged, rule_code
+from workflow.execution import forks
+from workflow.execution.dag import Job
+from workflow.execution.job import last_lines
+from workflow.execution.roles import by_role
+
+FORKS, LOGGER = "forks", "study"
+SCRIPTS = ROOT / "workflow" / "scripts"
+# What Snakemake says before it lays out the jobs.
+CHATTER = ("Using profile", "Assuming unrestricted shared filesystem", "Building DAG of jobs")
+
+
+class LaidOut(BaseException):
+    """Snakemake has laid out the jobs, and is left: no error, so that it does not report one."""
+
+    def __init__(self, jobs: list[Job]) -> None:
+        self.jobs = jobs
+
+
+@dataclass
+class Orders:
+    """What the plugins are to do.
+
+    Attributes:
+        jobs: the jobs to make, by the path of their first output; empty while jobs are laid out.
+        finished: told of each that has succeeded, and whether its code is still that of the plan.
+    """
+
+    jobs: Mapping[str, Job] = field(default_factory=dict)
+    finished: Callable[[Job, bool], None] = lambda job, same_code: None
+
+
+orders = Orders()
+
+
+def install(executor: str | None) -> None:
+    """Put the plugins into Snakemake's registries, of which there is one per process.
+
+    Args:
+        executor: the one that was asked for; if it is not on this machine, it is told to report as well.
+    """
+    executors = ExecutorPluginRegistry()
+    plugins = executors.plugins
+    if FORKS not in plugins:
+        plugins[FORKS] = replace(plugins["local"], executor=_Forks)
+        plugins["dryrun"] = replace(plugins["dryrun"], executor=_Layout)
+        LoggerPluginRegistry().register_plugin(
+            f"snakemake_logger_plugin_{LOGGER}", SimpleNamespace(LogHandler=_Handler)
+        )
+    if executor in plugins and not issubclass(plugins[executor].executor, _Reporting):
+        kinds = (_Slurm if executor == "slurm" else _Remote, plugins[executor].executor)
+        plugins[executor] = replace(plugins[executor], executor=type("Executor", kinds, {}))
+
+
+class _Layout:
+    """Takes the jobs, in place of an executor that would not run them."""
+
+    def __init__(self, workflow: Any, logger: Any) -> None:
+        dag = workflow.dag
+        ordered = [job for level in dag.toposorted() for job in sorted(level, key=_name) if not job.is_norun]
+        raise LaidOut([_job(dag, job) for job in ordered])
+
+
+def _name(job: Any) -> tuple[str, str]:
+    return job.rule.name, str(sorted(by_role(job.wildcards).items()))
+
+
+def _job(dag: Any, job: Any) -> Job:
+    """A job of Snakemake as ours.
+
+    Raises:
+        ValueError: its rule does something that its key would not tell.
+    """
+    rule = job.rule.name
+    if not job.rule.script:
+        raise ValueError(f"rule {rule} has no script: what it does would not be part of its key")
+    script = SCRIPTS / Path(job.rule.script).name
+    parameters = by_role(job.params)
+    if parameters.get("code") != rule_code(script):
+        raise ValueError(f"rule {rule}: its parameter code must be tracked({script.name!r}), the script that it runs")
+    return Job(
+        rule=rule,
+        wildcards={name: str(value) for name, value in by_role(job.wildcards).items()},
+        parameters=parameters,
+        inputs={role: str(path) for role, path in by_role(job.input).items()},
+        outputs={role: str(path) for role, path in by_role(job.output).items()},
+        log=str(job.log[0]),
+        forced=job.rule in dag.forcerules or not dag.forcefiles.isdisjoint(job.output),
+        script=script,
+    )
+
+
+def _ordered(job: Any) -> Job | None:
+    """The job to make that a job of Snakemake is.
+
+    None for one that Snakemake would run only because something before it is made again: its key says that it
+    would be made as it is.
+    """
+    return orders.jobs.get(str(job.output[0]))
+
+
+class _Reporting:
+    """Part of an executor: tells of each job that has succeeded."""
+
+    def handle_job_success(self, job: Any) -> None:
+        super().handle_job_success(job)  # type: ignore[misc]
+        for each in map(_ordered, job.jobs if job.is_group() else [job]):
+            if each is not None:
+                orders.finished(each, code_is_unchanged(each.script))
+
+
+class _Forks(_Reporting, AbstractExecutor):  # type: ignore[misc]
+    """Runs each job as a fork of one process."""
+
+    def __init__(self, workflow: Any, logger: Any) -> None:
+        super().__init__(workflow, logger)
+        self._pool = ThreadPoolExecutor(workflow.resource_settings.cores)
+
+    def run_job(self, job: Any) -> None:
+        info = SubmittedJobInfo(job)
+        with suppress(OSError):  # on a full disk; the note is for those who run Snakemake by hand
+            job.register()
+        self.report_job_submission(info)
+        self._pool.submit(self._run, info)
+
+    def _run(self, info: SubmittedJobInfo) -> None:
+        (self.report_job_success if _succeeds(info.job) else self.report_job_error)(info)
+
+    def shutdown(self) -> None:
+        self._pool.shutdown()
+
+    cancel = shutdown
+
+    def handle_job_error(self, job: Any) -> None:
+        """The job has told."""
+
+    def handle_job_success(self, job: Any) -> None:
+        super().handle_job_success(job)
+
+
+def _succeeds(job: Any) -> bool:
+    """Run a job in a fork."""
+    ours = _ordered(job)
+    if ours is None:
+        return True
+    for path in (*job.output, *job.log):
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+    given = SimpleNamespace(
+        rule=job.rule.name,
+        input=InputFiles(job.input, plainstr=True),
+        output=OutputFiles(job.output, plainstr=True),
+        params=Params(job.params),
+        wildcards=Wildcards(job.wildcards),
+        log=Log(job.log, plainstr=True),
+    )
+    status = forks.run(ours.script, given)
+    if status < 0:  # it could not say why by itself
+        ended = f"rule {ours.rule} was ended by {Signals(-status).name}"
+        sys.stderr.write(f"{ended}\n{last_lines(Path(ours.log))}(more in {ours.log})\n")
+    return status == 0
+
+
+class _Remote(_Reporting):
+    """Part of an executor of a cluster: shows what it knows of a group that failed, which Snakemake does not."""
+
+    def print_job_error(
+        self, job_info: Any, msg: str | None = None, aux_logs: Iterable[str] = (), **more: Any
+    ) -> None:
+        logs = "".join(f"\n(more in {log})" for log in aux_logs if log)
+        sys.stderr.write(f"{msg or 'a job of the cluster failed'}{logs}\n")
+        super().print_job_error(job_info, msg, aux_logs=list(aux_logs), **more)  # type: ignore[misc]
+
+
+class _Slurm(_Remote):
+    """Part of the executor for Slurm, whose jobs are Snakemake again.
+
+    Each is to run its group itself, as many jobs at a time as it has cores; the plugin would have it do one after the
+    other, each by `srun` and a further Snakemake (issue 469 of the plugin).
+    """
+
+    def additional_general_args(self) -> str:
+        return "--executor local"
+
+
+class _Handler(LogHandlerBase):  # type: ignore[misc]
+    """Keeps off the screen what Snakemake tells of each job: its own log, in OUT/.snakemake/log, has all of it.
+
+    Snakemake may also be asked a question instead, and answers.
+    """
+
+    writes_to_stream = True
+    writes_to_file = has_filter = has_formatter = needs_rulegraph = False
+
+    def emit(self, record: logging.LogRecord) -> None:
+        text = self.format(record)
+        if record.levelno >= logging.WARNING:
+            shown = getattr(record, "event", "") != "job_error"  # the job has told
+        else:
+            shown = not orders.jobs and not text.startswith(CHATTER)
+        if shown and text not in ("", "None"):
+            sys.stderr.write(f"{text}\n")
