@@ -6,7 +6,6 @@ import logging
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from signal import Signals
@@ -69,7 +68,7 @@ def install(executor: str | None) -> None:
             f"snakemake_logger_plugin_{LOGGER}", SimpleNamespace(LogHandler=_Handler)
         )
     if executor in plugins and not issubclass(plugins[executor].executor, _Reporting):
-        kinds = (_Slurm if executor == "slurm" else _Remote, plugins[executor].executor)
+        kinds = (_Slurm if executor == "slurm" else _Reporting, plugins[executor].executor)
         plugins[executor] = replace(plugins[executor], executor=type("Executor", kinds, {}))
 
 
@@ -139,13 +138,16 @@ class _Forks(_Reporting, AbstractExecutor):  # type: ignore[misc]
 
     def run_job(self, job: Any) -> None:
         info = SubmittedJobInfo(job)
-        with suppress(OSError):  # on a full disk; the note is for those who run Snakemake by hand
-            job.register()
         self.report_job_submission(info)
         self._pool.submit(self._run, info)
 
     def _run(self, info: SubmittedJobInfo) -> None:
-        (self.report_job_success if _succeeds(info.job) else self.report_job_error)(info)
+        try:
+            succeeded = _succeeds(info.job)
+        except Exception as error:  # of a full disk, for instance; Snakemake would wait for the job forever
+            sys.stderr.write(f"{error}\n")
+            succeeded = False
+        (self.report_job_success if succeeded else self.report_job_error)(info)
 
     def shutdown(self) -> None:
         self._pool.shutdown()
@@ -155,19 +157,17 @@ class _Forks(_Reporting, AbstractExecutor):  # type: ignore[misc]
     def handle_job_error(self, job: Any) -> None:
         """The job has told."""
 
-    def handle_job_success(self, job: Any) -> None:
-        super().handle_job_success(job)
-
 
 def _succeeds(job: Any) -> bool:
     """Run a job in a fork."""
     ours = _ordered(job)
     if ours is None:
         return True
+    job.register()  # notes when it began, for Snakemake's own report
     for path in (*job.output, *job.log):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
     given = SimpleNamespace(
-        rule=job.rule.name,
+        rule=ours.rule,
         input=InputFiles(job.input, plainstr=True),
         output=OutputFiles(job.output, plainstr=True),
         params=Params(job.params),
@@ -181,26 +181,23 @@ def _succeeds(job: Any) -> bool:
     return status == 0
 
 
-class _Remote(_Reporting):
-    """Part of an executor of a cluster: shows what it knows of a group that failed, which Snakemake does not."""
+class _Slurm(_Reporting):
+    """Part of the executor for Slurm, whose jobs are Snakemake again.
+
+    Each is to run its group itself, as many jobs at a time as it has cores; the plugin would have it do one after the
+    other, each by `srun` and a further Snakemake (issue 469 of the plugin). And Snakemake does not show
+    what the plugin knows of a group that failed.
+    """
+
+    def additional_general_args(self) -> str:
+        return "--executor local"
 
     def print_job_error(
         self, job_info: Any, msg: str | None = None, aux_logs: Iterable[str] = (), **more: Any
     ) -> None:
         logs = "".join(f"\n(more in {log})" for log in aux_logs if log)
-        sys.stderr.write(f"{msg or 'a job of the cluster failed'}{logs}\n")
+        sys.stderr.write(f"{msg or 'a job of Slurm failed'}{logs}\n")
         super().print_job_error(job_info, msg, aux_logs=list(aux_logs), **more)  # type: ignore[misc]
-
-
-class _Slurm(_Remote):
-    """Part of the executor for Slurm, whose jobs are Snakemake again.
-
-    Each is to run its group itself, as many jobs at a time as it has cores; the plugin would have it do one after the
-    other, each by `srun` and a further Snakemake (issue 469 of the plugin).
-    """
-
-    def additional_general_args(self) -> str:
-        return "--executor local"
 
 
 class _Handler(LogHandlerBase):  # type: ignore[misc]
