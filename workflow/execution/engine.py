@@ -1,6 +1,7 @@
-"""Snakemake as a function: it lays out the jobs, somebody else decides which to run, and it runs those.
+"""Snakemake, called twice: it lays out the jobs, keys decide which of them to run, and it runs those.
 
-Snakemake itself would go by times of files and by its own notes, of which a restored artifact has none.
+Snakemake's own decision would rest on times of files and on its notes, which restored artifacts lack. So it gets the
+outputs of the chosen jobs, which do not exist, as its targets. What it calls back is in `workflow.execution.plugins`.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from snakemake import cli
+
 from workflow.artifacts.provenance import ROOT
-from workflow.execution import forks
+from workflow.execution import forks, plugins
 from workflow.execution.dag import Job, Plan
 
 PROFILES = ROOT / "workflow" / "profiles"
@@ -25,12 +28,12 @@ DEFAULT = "default"
 
 @dataclass(frozen=True)
 class Hooks:
-    """What is asked and told during a run.
+    """What a run asks and tells.
 
     Attributes:
-        decide: the jobs of a plan that must run, by their place in it. If it is for real, none of their outputs is
-            left, and no other artifact is older than what it is made from.
-        finished: told of each job that has succeeded, and whether its code is still that of the plan.
+        decide: gives the jobs of a plan that must run, by index. If the plan is for real, it leaves none of their
+            outputs, and no other artifact older than its inputs.
+        finished: receives each job that has succeeded, and whether its code is still as planned.
     """
 
     decide: Callable[[Plan], Collection[int]]
@@ -39,34 +42,31 @@ class Hooks:
 
 def run(arguments: Sequence[str], hooks: Hooks) -> int:
     """Run Snakemake in this process; its exit status."""
-    from snakemake import cli
-
-    from workflow.execution import plugins
-
     try:
         parser, asked = _parsed(arguments)
         plugins.install(asked.executor)
         asked = _changed(asked, logger=[plugins.LOGGER], rerun_incomplete=False)  # records tell what is complete
         try:
             plugins.orders = plugins.Orders()
-            laying = asked if asked.touch else _changed(asked, dryrun=True)
-            return 0 if cli.args_to_api(laying, parser) else 1  # it was asked something else, or cannot
+            laying_out = asked if asked.touch else _changed(asked, dryrun=True)
+            return 0 if cli.args_to_api(laying_out, parser) else 1  # the answer to a question such as --summary
         except plugins.LaidOut as laid_out:
             jobs = laid_out.jobs
         part = asked.targets or asked.until or asked.omit_from or asked.batch
         chosen = [jobs[i] for i in sorted(hooks.decide(Plan(jobs, for_real=not asked.dryrun, whole=not part)))]
+        if asked.dryrun:
+            sys.stdout.write(_table(chosen))
         if asked.dryrun or not chosen:
-            sys.stdout.write(_table(chosen) if asked.dryrun else "")
             return 0
         plugins.orders = plugins.Orders({next(iter(job.outputs.values())): job for job in chosen}, hooks.finished)
         forks.preload({job.script for job in chosen})
         try:
-            return 0 if cli.args_to_api(_running(asked, list(plugins.orders.jobs)), parser) else 1
+            return 0 if cli.args_to_api(_making(asked, list(plugins.orders.jobs)), parser) else 1
         finally:
             forks.stop()
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else 1
-    except KeyboardInterrupt:  # before the first job; later ones Snakemake deals with
+    except KeyboardInterrupt:  # before the first job; later ones Snakemake handles
         return 1
     except (ValueError, OSError) as error:
         sys.stderr.write(f"{error}\n")
@@ -74,18 +74,14 @@ def run(arguments: Sequence[str], hooks: Hooks) -> int:
 
 
 def _parsed(arguments: Sequence[str]) -> tuple[Any, Namespace]:
-    """What the arguments say, and the parser. That profiles are used is not said."""
-    from snakemake import cli
-
-    from workflow.execution.plugins import CHATTER
-
+    """Snakemake's parser, and what it reads from the arguments, without the remark that profiles are used."""
     said = io.StringIO()
     try:
         with redirect_stderr(said):
             parser, asked = cli.parse_args(list(arguments))
     finally:
         sys.stderr.writelines(
-            line for line in said.getvalue().splitlines(keepends=True) if not line.startswith(CHATTER)
+            line for line in said.getvalue().splitlines(True) if not line.startswith("Using profile")
         )
     return parser, asked
 
@@ -94,31 +90,26 @@ def _changed(asked: Namespace, **changes: Any) -> Namespace:
     return Namespace(**{**vars(asked), **changes})
 
 
-def _running(asked: Namespace, targets: list[str]) -> Namespace:
-    """What to ask of Snakemake, so that it makes these files and nothing else."""
-    from workflow.execution.plugins import FORKS
-
-    return _changed(
-        asked,
-        executor=FORKS if asked.executor in (None, "local") else asked.executor,
-        targets=targets,
-        until=[],
-        omit_from=[],
-        batch=None,
-        force=False,
-        forceall=False,
-        forcerun=[],
-        # Its limit of jobs a second has the scheduler look at all jobs again once a second for each job that has
-        # ended: after some hundreds it does little else.
-        max_jobs_per_timespan=None,
-    )
+def _making(asked: Namespace, targets: list[str]) -> Namespace:
+    """The arguments that make these files and nothing else."""
+    none: dict[str, Any] = {
+        "batch": None,
+        "force": False,
+        "forceall": False,
+        "forcerun": [],
+        "omit_from": [],
+        "until": [],
+    }
+    # With a limit of jobs per second, the scheduler looks at all jobs again each second for each job that has ended.
+    none["max_jobs_per_timespan"] = None
+    executor = plugins.FORKS if asked.executor in (None, "local") else asked.executor
+    return _changed(asked, executor=executor, targets=targets, **none)
 
 
 def _table(jobs: Collection[Job]) -> str:
-    """How many jobs of each rule would run."""
-    counts = sorted(Counter(job.rule for job in jobs).items())
-    width = max([len(rule) for rule, _ in counts], default=0)
-    return "".join(f"{rule:{width}}  {count}\n" for rule, count in [*counts, ("total", len(jobs))])
+    """The number of jobs of each rule."""
+    counts = [*sorted(Counter(job.rule for job in jobs).items()), ("total", len(jobs))]
+    return "".join(f"{rule:{max(len(name) for name, _ in counts)}}  {count}\n" for rule, count in counts)
 
 
 def command_line(config: Path, out: Path, cores: int | None = None, profile: str = DEFAULT) -> list[str]:
@@ -127,11 +118,11 @@ def command_line(config: Path, out: Path, cores: int | None = None, profile: str
     Args:
         config: the config file.
         out: the output folder.
-        cores: how many jobs may run at the same time, on a cluster within one of its jobs; None for the profile's.
-        profile: the folder of a profile, or the name of one of `workflow/profiles`. It is laid over the default one.
+        cores: how many jobs may run at the same time (on a cluster, within one of its jobs); None for the profile's.
+        profile: the folder of a profile, or the name of one in `workflow/profiles`; it is laid over the default one.
 
     Raises:
-        ValueError: there is no such profile.
+        ValueError: There is no such profile.
     """
     folder = next((each for each in (PROFILES / profile, Path(profile)) if (each / "config.yaml").is_file()), None)
     if folder is None:
@@ -144,17 +135,17 @@ def command_line(config: Path, out: Path, cores: int | None = None, profile: str
         *("--configfile", str(config.resolve())),
         *("--directory", str(out.resolve())),
         *(() if cores is None else ("--cores", str(cores))),
-        "--ignore-incomplete",  # records tell better what is complete
-        *("--rerun-triggers", "software-env"),  # that is, none: no rule has an environment of its own
-        "--nolock",  # the runner holds a lock that lets go when its process dies, however it dies
+        "--ignore-incomplete",
+        *("--rerun-triggers", "software-env"),  # none, since no rule has its own environment
+        "--nolock",  # the runner's lock ends with its process, however that dies
     ]
 
 
 def planned(config: Path, out: Path) -> list[Job]:
-    """The jobs of a study, in an order in which they could run; nothing is run.
+    """The jobs of a study, in an order in which they could run; runs nothing.
 
     Raises:
-        RuntimeError: Snakemake could not plan it, and has printed why.
+        RuntimeError: Snakemake cannot plan it, and has printed why.
     """
     found: list[Job] = []
 

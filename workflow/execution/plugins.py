@@ -1,4 +1,7 @@
-"""What Snakemake calls during a run, through its registries of plugins: executors, and the handler of its log."""
+"""What Snakemake calls through its registries of plugins: executors, and the handler of its log.
+
+What is used of Snakemake beyond its manual and these interfaces is listed, and limited, by `.ci/private_names`.
+"""
 
 from __future__ import annotations
 
@@ -26,12 +29,11 @@ from workflow.execution.roles import by_role
 
 FORKS, LOGGER = "forks", "study"
 SCRIPTS = ROOT / "workflow" / "scripts"
-# What Snakemake says before it lays out the jobs.
-CHATTER = ("Using profile", "Assuming unrestricted shared filesystem", "Building DAG of jobs")
+CHATTER = ("Assuming unrestricted shared filesystem", "Building DAG of jobs")
 
 
 class LaidOut(BaseException):
-    """Snakemake has laid out the jobs, and is left: no error, so that it does not report one."""
+    """Leaves Snakemake when it has laid out the jobs. It would report an `Exception`."""
 
     def __init__(self, jobs: list[Job]) -> None:
         self.jobs = jobs
@@ -42,8 +44,8 @@ class Orders:
     """What the plugins are to do.
 
     Attributes:
-        jobs: the jobs to make, by the path of their first output; empty while jobs are laid out.
-        finished: told of each that has succeeded, and whether its code is still that of the plan.
+        jobs: the jobs to run, by the path of their first output; empty while jobs are laid out.
+        finished: as in `workflow.execution.engine.Hooks`.
     """
 
     jobs: Mapping[str, Job] = field(default_factory=dict)
@@ -54,10 +56,10 @@ orders = Orders()
 
 
 def install(executor: str | None) -> None:
-    """Put the plugins into Snakemake's registries, of which there is one per process.
+    """Put the plugins into the registries of this process.
 
     Args:
-        executor: the one that was asked for; if it is not on this machine, it is told to report as well.
+        executor: the one that was asked for, which is extended.
     """
     executors = ExecutorPluginRegistry()
     plugins = executors.plugins
@@ -73,7 +75,7 @@ def install(executor: str | None) -> None:
 
 
 class _Layout:
-    """Takes the jobs, in place of an executor that would not run them."""
+    """Takes the jobs, in place of the executor of dry runs."""
 
     def __init__(self, workflow: Any, logger: Any) -> None:
         dag = workflow.dag
@@ -86,10 +88,10 @@ def _name(job: Any) -> tuple[str, str]:
 
 
 def _job(dag: Any, job: Any) -> Job:
-    """A job of Snakemake as ours.
+    """Convert a job of Snakemake.
 
     Raises:
-        ValueError: its rule does something that its key would not tell.
+        ValueError: The key would not tell what the rule does.
     """
     rule = job.rule.name
     if not job.rule.script:
@@ -111,16 +113,15 @@ def _job(dag: Any, job: Any) -> Job:
 
 
 def _ordered(job: Any) -> Job | None:
-    """The job to make that a job of Snakemake is.
+    """The job to run that Snakemake means.
 
-    None for one that Snakemake would run only because something before it is made again: its key says that it
-    would be made as it is.
+    None if Snakemake would run it only because one of its inputs is made again; its key tells that it need not.
     """
     return orders.jobs.get(str(job.output[0]))
 
 
 class _Reporting:
-    """Part of an executor: tells of each job that has succeeded."""
+    """Part of an executor: reports each job that has succeeded."""
 
     def handle_job_success(self, job: Any) -> None:
         super().handle_job_success(job)  # type: ignore[misc]
@@ -144,7 +145,7 @@ class _Forks(_Reporting, AbstractExecutor):  # type: ignore[misc]
     def _run(self, info: SubmittedJobInfo) -> None:
         try:
             succeeded = _succeeds(info.job)
-        except Exception as error:  # of a full disk, for instance; Snakemake would wait for the job forever
+        except Exception as error:  # such as a full disk; Snakemake would wait for the job forever
             sys.stderr.write(f"{error}\n")
             succeeded = False
         (self.report_job_success if succeeded else self.report_job_error)(info)
@@ -155,15 +156,15 @@ class _Forks(_Reporting, AbstractExecutor):  # type: ignore[misc]
     cancel = shutdown
 
     def handle_job_error(self, job: Any) -> None:
-        """The job has told."""
+        """Do nothing: the job has reported it."""
 
 
 def _succeeds(job: Any) -> bool:
-    """Run a job in a fork."""
+    """Run a job in a fork, and report whether it succeeded."""
     ours = _ordered(job)
     if ours is None:
         return True
-    job.register()  # notes when it began, for Snakemake's own report
+    job.register()  # notes the time, for Snakemake's own report
     for path in (*job.output, *job.log):
         Path(path).parent.mkdir(parents=True, exist_ok=True)
     given = SimpleNamespace(
@@ -201,10 +202,7 @@ class _Slurm(_Reporting):
 
 
 class _Handler(LogHandlerBase):  # type: ignore[misc]
-    """Keeps off the screen what Snakemake tells of each job: its own log, in OUT/.snakemake/log, has all of it.
-
-    Snakemake may also be asked a question instead, and answers.
-    """
+    """Keeps off the screen what Snakemake says about each job; its log in OUT/.snakemake/log has everything."""
 
     writes_to_stream = True
     writes_to_file = has_filter = has_formatter = needs_rulegraph = False
@@ -212,7 +210,7 @@ class _Handler(LogHandlerBase):  # type: ignore[misc]
     def emit(self, record: logging.LogRecord) -> None:
         text = self.format(record)
         if record.levelno >= logging.WARNING:
-            shown = getattr(record, "event", "") != "job_error"  # the job has told
+            shown = getattr(record, "event", "") != "job_error"  # the job has reported it
         else:
             shown = not orders.jobs and not text.startswith(CHATTER)
         if shown and text not in ("", "None"):
