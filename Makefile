@@ -97,7 +97,7 @@ bench: $(READY)
 	test ! -f $(OUT)/bench/jobs.csv -o ! -f $(OUT)/manifest.json || $(PYTHON) -m benchmarks.scale needs $(OUT) --times 1000 > $(OUT)/bench/needs.md
 	$(PYTHON) -m benchmarks --out $(OUT)/bench
 	$(RUN) --config config/config.yaml --out $(OUT)/bench/study -- $(BENCH_TRIALS)
-	$(PYTHON) -m benchmarks.comparison --out $(OUT)/bench \
+	$(PYTHON) -m benchmarks.samplers --out $(OUT)/bench \
 		$(foreach trials,$(BENCH_TRIALS),$(OUT)/bench/study/$(trials) $(OUT)/bench/study/$(trials:trials.parquet=objects.parquet))
 
 # Ten times the trials and ten times the seeds, and what a study that is again ten times as large would need.
@@ -108,7 +108,7 @@ scale: $(READY)
 	$(PYTHON) -m benchmarks.scale needs $(OUT)/scale --times 10 > $(OUT)/bench/scale.md
 
 docs: $(READY)
-	$(PYTHON) -m workflow.plan.reference docs
+	$(PYTHON) -m workflow.plan.reference docs/config.md config/config.schema.json
 
 # pip-compile resolves with pip itself; a local build label such as +cpu is on no public index, and is left out.
 lock:

@@ -37,7 +37,6 @@ rule all:
         "scores.csv",
         "claims.csv",
         expand("tables/{file}", file=files_of_tables(TABLES)),
-        expand("tables/{experiment}_uncertain.{form}", experiment=INSTRUCTED, form=TABLE_FORMS),
         list(figure_files()),
         list(rating_keys()),
         expand("diagnostics/{chains}.html", chains=diagnosed()),

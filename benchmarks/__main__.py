@@ -64,7 +64,7 @@ def main() -> None:
     draw_roofline(kernels, machine, arguments.out / "roofline.png")
     (arguments.out / "summary.md").write_text(summary(fits, kernels, machine), encoding="utf-8")
     sys.stderr.write(
-        f"one core: {machine.peak / 1e9:.1f} · 10⁹ operations a second, {machine.bandwidth / 1e9:.1f} GB a second; "
+        f"one core: {machine.peak / 1e9:.1f} · 10⁹ operations and {machine.bandwidth / 1e9:.1f} GB per second; "
         f"done in {time.perf_counter() - began:.0f} s: {arguments.out}\n"
     )
 

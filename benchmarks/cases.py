@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from model import Trials
+from model import METHODS, Blocked, Collapsed, Sampler, Trials
 
 # Dimensions of action, position, object and color in the paper's simulator experiment.
 PAPER_DIMENSIONS = (38, 2, 30, 10)
+SAMPLERS: dict[str, Sampler[Any]] = {
+    "published": Blocked(),
+    "released": Blocked(averaged_draws=100, empty_category="uniform"),
+    "collapsed": Collapsed(),
+}
 
 
 @dataclass(frozen=True)
@@ -21,38 +27,31 @@ class Case:
         series: what is varied, the name of a curve.
         size: its value.
         method: name of the method.
-        inference: name of the sampler.
-        trials: D; there are two objects a trial on average.
+        sampler: name of the sampler in `SAMPLERS`.
+        trials: D; there are two objects per trial on average.
         categories: K.
         dimensions: of the action and of each object channel.
         vocabulary: W.
-        words: words a sentence, at most one a channel.
+        words: words per sentence, at most one per channel.
         iterations: sweeps of the fit.
-        averaged_draws: see `model.Settings`; 100 is the authors' program.
         repetitions: how often it is measured; the fastest counts.
     """
 
     series: str
     size: int
     method: str = "proposed"
-    inference: str = "blocked"
+    sampler: str = "published"
     trials: int = 40
     categories: int = 10
     dimensions: tuple[int, ...] = PAPER_DIMENSIONS
     vocabulary: int = 14
     words: int = 4
     iterations: int = 200
-    averaged_draws: int = 1
     repetitions: int = 1
-
-    @property
-    def sampler(self) -> str:
-        """What tables call the sampler."""
-        return "averaged" if self.averaged_draws > 1 else self.inference
 
 
 def make_trials(case: Case, seed: int = 1) -> Trials:
-    """Trials in clusters, four a channel, features mostly in [0, 1], words by cluster."""
+    """Trials in clusters, four per channel, features mostly in [0, 1], words by cluster."""
     rng = np.random.default_rng(seed)
     D, channels = case.trials, len(case.dimensions)
     count = rng.integers(1, 4, size=D)
@@ -80,13 +79,13 @@ def make_trials(case: Case, seed: int = 1) -> Trials:
 def all_cases(quick: bool) -> Iterator[Case]:
     """Fits at the paper's sizes, a large one, and one series for each direction of growth."""
     paper = Case("paper", 40, iterations=10 if quick else 200, repetitions=1 if quick else 3)
-    for sampler in (paper, replace(paper, averaged_draws=100), replace(paper, inference="collapsed")):
-        for method in ("proposed", "no_mec2", "mmlda", "gmm"):
-            yield replace(sampler, method=method, words=0 if method == "gmm" else 4)
+    for sampler in SAMPLERS:
+        for name, method in METHODS.items():
+            yield replace(paper, sampler=sampler, method=name, words=4 if method.hears_words else 0)
     D = 400 if quick else 40_000
     yield Case("large", D, trials=D, iterations=5 if quick else 200)
-    for inference in ("blocked", "collapsed"):
-        start = Case("", 0, inference=inference, iterations=5 if quick else 20)
+    for sampler in ("published", "collapsed"):
+        start = Case("", 0, sampler=sampler, iterations=5 if quick else 20)
         for D in (40, 400) if quick else (40, 400, 4000, 40_000):
             yield replace(start, series="D", size=D, trials=D, iterations=max(5, start.iterations * 40 // D))
         for K in (10, 20) if quick else (10, 30, 100):

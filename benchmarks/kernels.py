@@ -12,8 +12,8 @@ from model.compiled import compiled
 from model.data import Floats
 from model.distributions.gaussian_densities import gaussian_log_density
 from model.distributions.gaussians import GaussianInverseWishart, draw_posterior_gaussians, gaussian_posterior
-from model.distributions.triangular import update
 from model.distributions.predictive import student_log_density
+from model.distributions.triangular import update
 from model.prior import Prior
 
 
@@ -24,7 +24,7 @@ class Kernel:
     Attributes:
         name: its name.
         dimension: of the features.
-        flops: floating-point operations of a call, of the algorithm, not of the machine code.
+        flops: floating-point operations per call, of the algorithm, not of the machine code.
         bytes: data that a call has to read and write at least once.
         seconds: processor time of a call, the fastest of many.
     """
@@ -41,8 +41,8 @@ class Machine:
     """What one core reaches.
 
     Attributes:
-        peak: floating-point operations a second, of a matrix product of the linear algebra library.
-        bandwidth: bytes a second, of a sum of two arrays too large for the caches.
+        peak: floating-point operations per second, of a matrix product of the linear algebra library.
+        bandwidth: bytes per second, of a sum of two arrays too large for the caches.
     """
 
     peak: float
@@ -80,19 +80,19 @@ def _kernels_of(dim: int, N: int = 80, K: int = 10) -> Iterator[Kernel]:
     """The hot kernels for N elements of one dimension and K categories."""
     rng = np.random.default_rng(dim)
     x, z, prior = rng.random((N, dim)), rng.integers(K, size=N), Prior().gaussian(dim)
-    posterior = gaussian_posterior(x, z, K, *prior)
-    mean, factor = draw_posterior_gaussians(rng, x, z, K, 1, *prior)
+    posterior = gaussian_posterior(x, z, K, prior)
+    mean, factor = draw_posterior_gaussians(rng, x, z, K, 1, prior)
     triangle = dim * (dim + 1) / 2.0
     solve, scatter, cube = 2.0 * N * K * triangle, 2.0 * N * triangle, K * dim**3 / 3.0
     memory = 8.0 * (N * dim + K * triangle)
     calls: tuple[tuple[str, float, float, Callable[[], object]], ...] = (
         ("gaussian_log_density", solve, memory, lambda: gaussian_log_density(x, mean, factor)),
-        ("gaussian_posterior", scatter + cube, memory, lambda: gaussian_posterior(x, z, K, *prior)),
+        ("gaussian_posterior", scatter + cube, memory, lambda: gaussian_posterior(x, z, K, prior)),
         (
             "draw_posterior_gaussians",
             scatter + 2.0 * cube,
             memory + 8.0 * K * triangle,
-            lambda: draw_posterior_gaussians(rng, x, z, K, 1, *prior),
+            lambda: draw_posterior_gaussians(rng, x, z, K, 1, prior),
         ),
         ("student_log_density", solve, memory, lambda: _all_predictive(posterior, x)),
         ("update", 3.0 * solve, memory, lambda: _all_updates(posterior, x)),

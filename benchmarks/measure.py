@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.cases import Case, make_trials
+from benchmarks.cases import SAMPLERS, Case, make_trials
 
 
 @dataclass(frozen=True)
@@ -37,10 +37,9 @@ def measure(case: Case) -> Measurement:
 
 
 def as_row(case: Case, result: Measurement) -> dict[str, object]:
-    """A row of the table of results, seconds an iteration included."""
+    """A row of the table of results, seconds per iteration included."""
     row = {
         **asdict(case),
-        "sampler": case.sampler,
         "dimensions": " ".join(str(dim) for dim in case.dimensions),
         **asdict(result),
     }
@@ -50,14 +49,13 @@ def as_row(case: Case, result: Measurement) -> dict[str, object]:
 
 
 def _measure_here(case: Case) -> Measurement:
-    from model import Prior, Settings, fit
+    from model import Prior, Problem, fit
 
-    trials = make_trials(case)
-    prior, settings = Prior(categories=case.categories), Settings(averaged_draws=case.averaged_draws)
+    problem = Problem.of(make_trials(case), case.method, Prior(categories=case.categories))
 
     def run(iterations: int) -> None:
-        inference = "collapsed" if case.inference == "collapsed" else "blocked"
-        fit(trials, case.method, np.random.default_rng(1), prior, iterations, 1, settings, inference=inference)  # type: ignore[arg-type]
+        sampler = SAMPLERS[case.sampler].model_copy(update={"iterations": iterations, "keep_history": 0})
+        fit(problem, sampler, np.random.default_rng(1))
 
     run(1)  # Loads the compiled code.
     baseline = _peak()

@@ -20,24 +20,24 @@ LABELS = {
 
 
 def draw_scaling(fits: pd.DataFrame, path: Path) -> None:
-    """Processor time of an iteration along each series, both axes logarithmic; the grey line grows linearly."""
+    """Processor time per iteration along each series, both axes logarithmic; the grey line grows linearly."""
     figure = Figure(figsize=(2.9 * len(LABELS), 3.4), layout="constrained")
     axes = figure.subplots(1, len(LABELS), sharey=True)
     for axis, (series, label) in zip(axes, LABELS.items(), strict=True):
         of_series = fits[fits.series == series]
-        for inference, rows in of_series.groupby("inference"):
+        for sampler, rows in of_series.groupby("sampler"):
             times = 1000.0 * rows.processor_seconds_per_iteration
-            axis.loglog(rows["size"], times, "o-", label=inference)
+            axis.loglog(rows["size"], times, "o-", label=sampler)
             linear = rows["size"] / rows["size"].iloc[0] * times.iloc[0]
             axis.loglog(
-                rows["size"], linear, color="0.8", zorder=0, label="linear" if inference == "blocked" else None
+                rows["size"], linear, color="0.8", zorder=0, label="linear" if sampler == "published" else None
             )
         sizes = sorted(set(of_series["size"]))
         axis.set_xticks(sizes, [f"{size:,}" for size in sizes])
         axis.set_xticks([], minor=True)
         axis.set_xlabel(label)
     axes[0].yaxis.set_major_formatter("{x:g}")
-    axes[0].set_ylabel("milliseconds an iteration")
+    axes[0].set_ylabel("milliseconds per iteration")
     axes[0].legend(frameon=False)
     figure.savefig(path, dpi=110, metadata={"Software": None})
 
@@ -48,7 +48,7 @@ def draw_roofline(kernels: pd.DataFrame, machine: Machine, path: Path) -> None:
     axis = figure.subplots()
     ridge = machine.peak / machine.bandwidth
     intensity = np.array([0.05, ridge, 400.0])
-    roof = f"one core: {machine.peak / 1e9:.0f} · 10⁹ operations, {machine.bandwidth / 1e9:.0f} GB a second"
+    roof = f"one core: {machine.peak / 1e9:.0f} · 10⁹ operations, {machine.bandwidth / 1e9:.0f} GB per second"
     axis.loglog(intensity, np.minimum(machine.peak, intensity * machine.bandwidth) / 1e9, "k-", label=roof)
     for name, rows in kernels.groupby("kernel"):
         (line,) = axis.loglog(rows.flops / rows.bytes, rows.gigaflops, "o-", linewidth=0.5, markersize=4, label=name)
@@ -59,7 +59,7 @@ def draw_roofline(kernels: pd.DataFrame, machine: Machine, path: Path) -> None:
             )
     axis.yaxis.set_major_formatter("{x:g}")
     axis.xaxis.set_major_formatter("{x:g}")
-    axis.set_xlabel("floating-point operations a byte (numbers: dimension)")
-    axis.set_ylabel("10⁹ floating-point operations a second")
+    axis.set_xlabel("floating-point operations per byte (numbers: dimension)")
+    axis.set_ylabel("10⁹ floating-point operations per second")
     axis.legend(fontsize=7, loc="lower right")
     figure.savefig(path, dpi=110, metadata={"Software": None})

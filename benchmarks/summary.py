@@ -18,8 +18,8 @@ from model import METHODS
 _PAGE = """# Benchmarks
 
 Written by `python -m benchmarks`. {processor}, one core: {peak:.0f} · 10⁹ floating-point operations and
-{bandwidth:.0f} GB a second. Seconds are processor time, without imports and compilation; memory is the most that the
-process held.
+{bandwidth:.0f} GB per second. Seconds are processor time, without imports and compilation; memory is the most that
+the process held.
 
 ## A fit at the paper's sizes
 
@@ -68,7 +68,7 @@ def summary(fits: pd.DataFrame, kernels: pd.DataFrame, machine: Machine) -> str:
         paper=markdown(["sampler", "method", "seconds", "MiB", "MiB before the fit"], map(paper_row, paper)),
         large=f"D = {large['trials']:,}, {large['iterations']} iterations, {large['sampler']}: "
         f"{large['processor_seconds']:.1f} s, {large['peak_mebibytes']:.0f} MiB.",
-        growth=markdown(["size", "sampler", "sizes", "milliseconds an iteration", "p"], growth_rows(fits)),
+        growth=markdown(["size", "sampler", "sizes", "milliseconds per iteration", "p"], growth_rows(fits)),
         kernels=markdown(["kernel", *map(str, sorted(set(kernels.dimension)))], kernel_rows(kernels)),
     )
 

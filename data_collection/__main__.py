@@ -74,17 +74,18 @@ def _check(path: Path, options: argparse.Namespace) -> bool:
 
 def _show(path: Path, options: argparse.Namespace) -> bool:
     from data_collection import show
+    from data_collection.image_files import save_gif, save_png
     from data_collection.log.validation import kind_of
 
     log = read_log(path)
     if kind_of(log) == "calibration":
         raise LogError(f"{path}: a calibration log shows no trial")
     picture = options.out / f"{path.stem}.png"
-    show.save_png(picture, show.strip(log))
+    save_png(picture, show.strip(log))
     _say(str(picture))
     if not options.no_animation:
         frames = show.animation(log, every=max(1, options.every))
-        show.save_gif(options.out / f"{path.stem}.gif", frames, len(frames) / max(_seconds(log), 0.05))
+        save_gif(options.out / f"{path.stem}.gif", frames, len(frames) / max(_seconds(log), 0.05))
         _say(str(options.out / f"{path.stem}.gif"))
     return True
 

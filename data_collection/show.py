@@ -3,14 +3,17 @@
 import json
 import math
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
 from data_collection import task
 from data_collection.apparatus import ObjectKind
+<<<<<<< HEAD
 from data_collection.files import replacing
 from data_collection.log import topics
+=======
+from data_collection.log import channels
+>>>>>>> w-config
 from data_collection.log.mcap_log import Log
 from data_collection.log.messages import Image, JointState
 from data_collection.log.trial import observation, truth
@@ -114,27 +117,6 @@ def gallery(simulation: Simulation, *, width: int = 900, height: int = 420) -> I
     with World(simulation) as world:
         world.set_up(placed, None)
         return world.photograph(scene.View(eye, ahead, np.array([0.0, 0.0, 1.0]), width, height, 34.0, near=0.25))
-
-
-def save_png(path: Path, image: Image) -> None:
-    """Write a picture; the file appears only when it is complete."""
-    from PIL import Image as Pillow
-
-    with replacing(path) as (temporary,):
-        Pillow.fromarray(image).save(temporary, format="PNG")
-
-
-def save_gif(path: Path, frames: list[Image], rate: float, hold: float = 0.0) -> None:
-    """Write an animation of ``rate`` pictures a second, the last of which stays ``hold`` seconds longer."""
-    from PIL import Image as Pillow
-
-    pictures = [Pillow.fromarray(frame) for frame in frames]
-    step = max(20, round(1000.0 / rate))
-    durations = [step] * (len(frames) - 1) + [step + round(1000.0 * hold)]
-    with replacing(path) as (temporary,):
-        pictures[0].save(
-            temporary, format="GIF", save_all=True, append_images=pictures[1:], duration=durations, loop=0
-        )
 
 
 def _placed(log: Log) -> list[task.Placed]:

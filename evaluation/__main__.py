@@ -11,9 +11,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from evaluation.compare import compare_folders
 from evaluation.ratings import RatingError, human_rates, read_forms, read_key
 from evaluation.scores import write_csv
+from evaluation.two_runs import compare_folders
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -26,7 +26,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ratings = commands.add_parser(
         "ratings", help="the human WAR of each method, from forms that raters have filled in"
     )
-    ratings.add_argument("forms", nargs="+", type=Path, metavar="FORM", help="CSV forms, one or more a rater")
+    ratings.add_argument("forms", nargs="+", type=Path, metavar="FORM", help="CSV forms, one or more per rater")
     ratings.add_argument("--key", type=Path, required=True, help="which clip shows what: ratings/EXPERIMENT_key.csv")
     ratings.add_argument("--out", type=Path, help="write the rates as CSV, too")
     options = parser.parse_args(arguments)

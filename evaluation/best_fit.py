@@ -26,7 +26,7 @@ def title(condition: Mapping[str, object], fit: Fit, place: int, seeds: int) -> 
         place: which of the seeds it is, from 0.
         seeds: how many there are.
     """
-    K = {prior.categories for prior in fit.priors}
+    K = {prior.categories for prior in fit.problem.priors}
     categories = f", K = {K.pop()}" if len(K) == 1 else ""
     method = METHODS[str(condition["method"])].label
     return (

@@ -6,119 +6,156 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 TABLE_FORMS = ("csv", "md", "tex", "html")
-# How the name of each file of a table ends.
-TABLE_ENDINGS = (*(f".{form}" for form in TABLE_FORMS), "_differences.csv")
-FIT_FIGURES = ("words", "positions")
-CATEGORY_FIGURES = {"object_categories": "object", "color_categories": "color"}
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One kind of figure; each experiment has its own, `figures/{experiment}_{name}`.
+    """One kind of figure; an experiment has it where the study has its inputs, as `figures/{experiment}_{name}`.
 
     Attributes:
-        number: what the paper calls it, in Experiments I and II; None for a figure that the paper has not.
+        draw: the function that draws it, `module:function` of `evaluation.figures`; it is given a
+            `evaluation.figures.source.Source`.
+        inputs: what it is drawn from: a key of `FIGURE_INPUTS` in `workflow/rules/presentation_functions.smk`.
         caption: what is seen, in one to three sentences.
-        forms: the endings of its files.
+        paper: what the paper calls it, in Experiments I and II; None for a figure that the paper does not have.
+        forms: the endings of its files; pages show the first.
     """
 
-    number: str | None
+    draw: str
+    inputs: str
     caption: str
+    paper: str | None = None
     forms: tuple[str, ...] = ("png", "pdf")
 
+    @property
+    def module(self) -> str:
+        """The file of the function that draws it, from the root of the project."""
+        return f"evaluation/figures/{self.draw.partition(':')[0]}.py"
 
-# By name; an experiment has those that its data allow.
+    @property
+    def full_caption(self) -> str:
+        """The caption, and what the paper calls the figure."""
+        return f"{self.caption} In the paper: {self.paper}." if self.paper else self.caption
+
+
+# By name. A name with {method} stands for a figure per method.
 FIGURES = {
     "words": Figure(
-        "4A and 8A",
+        "fit:words",
+        "fit",
         "The word distributions θ of the most probable fit: a row for each category in use, a column for each "
         "word, darker where the word is more probable. A box surrounds each channel's own words; where words are "
         "learned well, the dark cells lie in the boxes.",
+        "Figures 4A and 8A",
     ),
     "positions": Figure(
-        "4B and 8B",
+        "fit:positions",
+        "fit",
         "The position categories of the same fit, seen from above: crosses are the objects, ellipses the categories "
         "at two standard deviations. Each is named by its most probable word.",
+        "Figures 4B and 8B",
     ),
     "object_categories": Figure(
-        "4C and 8C",
+        "categories:object_categories",
+        "fit and crops",
         "What the robot saw of the objects in each object category of the same fit, the most typical first. Each "
         "category is named by its most probable word; categories without an object are left out.",
+        "Figures 4C and 8C",
     ),
     "color_categories": Figure(
-        "4D and 8D",
+        "categories:color_categories",
+        "fit and crops",
         "What the robot saw of the objects in each color category of the same fit, the most typical first. Each "
         "category is named by its most probable word; categories without an object are left out.",
+        "Figures 4D and 8D",
+    ),
+    "confusion_{method}": Figure(
+        "confusion:confusion",
+        "descriptions",
+        "What the robot said (columns) of what the tutor called (rows): counts over all seeds and test actions, the "
+        "shade is the share of the row. Lines part the channels.",
+        "Figures 6 and 10, of method A",
     ),
     "generation": Figure(
-        "5 and 9",
+        "generation:generation",
+        "executed answers",
         "What the robot did when it was told to: the instruction, the scene before and after, and the tutor's word "
         "for what happened. The fit is the one with the highest log joint of all seeds.",
+        "Figures 5 and 9",
     ),
     "action": Figure(
-        "5 and 9",
+        "generation:action",
+        "executed answers",
         "One of these actions in motion: the first that was carried out rightly and in which the hand moved; where "
         "there is none, the first.",
+        "Figures 5 and 9",
         forms=("gif",),
     ),
     "instructions": Figure(
-        None,
+        "instructions:instructions",
+        "instructions",
         "How the most probable fit understands each instruction of the test set: the probability of every object and "
         "action category.",
     ),
     "uncertain": Figure(
-        None,
+        "uncertain:uncertain",
+        "uncertain answers",
         "What the fits make of instructions in which words are missing, wrong, unknown or too many, and of two "
         "objects that are alike.",
     ),
-    "confusion_proposed": Figure(
-        "6 and 10",
-        "What the robot said (columns) of what the tutor called (rows), with method A: counts over all seeds and "
-        "test actions, the shade is the share of the row. Lines part the channels.",
-    ),
-    "confusion_no_mec2": Figure(
-        None,
-        "The same as the confusion matrices of method A, with method B: without the constraint that no two words "
-        "of a sentence come from one channel.",
-    ),
-    "confusion_mmlda": Figure(
-        None,
-        "The same as the confusion matrices of method A, with method C: mMLDA, in which every channel explains the "
-        "whole sentence.",
-    ),
-    "objects": Figure("7", "The objects of the experiment, on the table."),
-    "trials": Figure(
-        None,
-        "The first training trials: the scene before and after the action, with the tutor's sentence and, in "
-        "brackets, what happened.",
-        forms=("png",),
-    ),
     "features": Figure(
-        None,
+        "features:features",
+        "features",
         "What the robot sees and feels: detected objects, their crops and colors, the actions' numbers, and how far "
         "these features tell the words apart.",
         forms=("png",),
     ),
+    "trials": Figure(
+        "simulated:trials",
+        "simulated trials",
+        "The first training trials: the scene before and after the action, with the tutor's sentence and, in "
+        "brackets, what happened.",
+        forms=("png",),
+    ),
+    "objects": Figure(
+        "simulated:objects",
+        "simulation",
+        "The objects of the experiment, on the table.",
+        "Figure 7",
+    ),
 }
 
 
-_CONFUSION = Figure(None, "The same as the confusion matrices of method A, with another method.")
+@dataclass(frozen=True)
+class ShownFigure:
+    """A figure of a study, as pages show it.
+
+    Attributes:
+        path: its file, below the output folder.
+        title: its heading.
+        caption: what is seen.
+    """
+
+    path: str
+    title: str
+    caption: str
 
 
-def figure_of(name: str) -> Figure | None:
-    """A kind of figure by its name; None where there is none. Every method has its `confusion_{method}`."""
-    return FIGURES.get(name, _CONFUSION if name.startswith("confusion_") else None)
+def shown_figure(name: str, experiment: str, method: str = "") -> ShownFigure:
+    """A figure of an experiment and, where it is drawn per method, of a method."""
+    figure, own = FIGURES[name], name.format(method=method)
+    title = f"{own.replace('_', ' ').capitalize()}, {experiment}"
+    return ShownFigure(f"figures/{experiment}_{own}.{figure.forms[0]}", title, figure.full_caption)
 
 
 @dataclass(frozen=True)
 class Table:
-    """One table: the part of the scores that it shows.
+    """One table: the part of the scores, or of the answers to uncertain instructions, that it shows.
 
     Attributes:
         title: its heading.
-        experiment: the experiment whose scores it shows.
-        tasks: `csl`, or the tasks that use what was learned.
-        measures: its columns.
+        experiment: the experiment that it shows.
+        tasks: those whose measures are its columns.
         D: the one number of trials that it shows, None for all.
         without: the variants that it leaves out.
     """
@@ -126,17 +163,22 @@ class Table:
     title: str
     experiment: str
     tasks: tuple[str, ...]
-    measures: tuple[str, ...]
     D: int | None = None
     without: tuple[str, ...] = ()
 
+    @property
+    def endings(self) -> tuple[str, ...]:
+        """How the names of its files end."""
+        differences = () if self.tasks == ("uncertain",) else ("_differences.csv",)
+        return (*(f".{form}" for form in TABLE_FORMS), *differences)
 
-MEASURES = {
-    "csl": ("ARI_a", "ARI_p", "ARI_o", "ARI_c", "EAR"),
-    "generation": ("WAR", "OAR"),
-    "description": ("F1", "ACC"),
+
+TITLES = {
+    "csl": "Learning",
+    "generation": "Action generation",
+    "description": "Action description",
+    "uncertain": "Uncertain instructions",
 }
-TITLES = {"csl": "Learning", "generation": "Action generation", "description": "Action description"}
 
 # The tables of the paper: file name, number, experiment, tasks, D.
 PAPER_TABLES = (
@@ -169,32 +211,25 @@ def tables_of(
             which = f", D = {D}" if D else ""
             title = " and ".join(TITLES[task].lower() for task in tasks).capitalize()
             without = tuple((partial or {}).get(experiment, ()))
-            tables[name] = _table(f"Table {number}. {title}, {experiment}{which}", experiment, tasks, D, without)
+            tables[name] = Table(f"Table {number}. {title}, {experiment}{which}", experiment, tasks, D, without)
     for experiment, task in sorted({(experiment, task) for experiment, task, _ in run}):
-        tables[f"{experiment}_{task}"] = _table(f"{TITLES[task]}, {experiment}", experiment, (task,))
+        tables[f"{experiment}_{task}"] = Table(f"{TITLES[task]}, {experiment}", experiment, (task,))
     return tables
 
 
-def files_of_tables(tables: Iterable[str]) -> list[str]:
+def files_of_tables(tables: Mapping[str, Table]) -> list[str]:
     """The names of all files of these tables."""
-    return [f"{name}{ending}" for name in tables for ending in TABLE_ENDINGS]
+    return [f"{name}{ending}" for name, table in tables.items() for ending in table.endings]
 
 
-def paper_table_with(experiment: str, measure: str, D: int) -> str | None:
-    """The name of the paper's table that shows a measure of an experiment at a D; None where none does."""
+def paper_table_with(experiment: str, task: str, D: int) -> str | None:
+    """The name of the paper's table that shows a task of an experiment at a D; None where none does."""
     for name, _, of_experiment, tasks, of_D in PAPER_TABLES:
-        shown = any(measure in MEASURES[task] for task in tasks)
-        if of_experiment == experiment and of_D in (None, D) and shown:
+        if of_experiment == experiment and of_D in (None, D) and task in tasks:
             return name
     return None
 
 
-def cell_name(variant: str, inference: str, D: int, ROW: int, method: str, measure: str) -> str:
+def cell_name(variant: str, sampler: str, D: int, ROW: int, method: str, measure: str) -> str:
     """The id of a cell in the page of a table, to which other pages link."""
-    return f"{variant}-{inference}-D{D}-ROW{ROW}-{method}-{measure}"
-
-
-def _table(
-    title: str, experiment: str, tasks: tuple[str, ...], D: int | None = None, without: tuple[str, ...] = ()
-) -> Table:
-    return Table(title, experiment, tasks, tuple(measure for task in tasks for measure in MEASURES[task]), D, without)
+    return f"{variant}-{sampler}-D{D}-ROW{ROW}-{method}-{measure}"

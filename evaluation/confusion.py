@@ -8,10 +8,7 @@ import numpy as np
 import pandas as pd
 
 from evaluation.metrics import confusion
-from evaluation.scores import CONDITION
-
-# What tells one matrix from another.
-KEYS = [key for key in CONDITION if key not in ("task", "seed")]
+from evaluation.scores import SEEDS
 
 
 def word_order(words: Mapping[str, Sequence[str]], described: pd.DataFrame) -> list[str]:
@@ -24,19 +21,19 @@ def count_confusions(described: pd.DataFrame, words: Mapping[str, Sequence[str]]
     """Count how often each true word was described as each word, over the seeds and trials of each condition.
 
     Args:
-        described: the columns that `evaluation.description.write_descriptions` writes, a row a pair of words.
+        described: the columns that `evaluation.description.write_descriptions` writes, a row per pair of words.
         words: the words by channel; they give the order.
 
     Returns:
-        Columns `KEYS`, `true`, `described`, `count`: a row for each condition, in the order of `described`, and
-        each two words in the order of `word_order`, also where the count is 0. The counts of a condition add up
-        to its pairs.
+        Columns `SEEDS` of `evaluation.scores`, `true`, `described`, `count`: a row for each condition, in the order
+        of `described`, and each two words in the order of `word_order`, also where the count is 0. The counts of a
+        condition add up to its pairs.
     """
     labels = word_order(words, described)
     parts = []
-    for condition, pairs in described.groupby(KEYS, sort=False):
+    for condition, pairs in described.groupby(SEEDS, sort=False):
         counts = confusion(pairs["true"].tolist(), pairs["described"].tolist(), labels)
-        names = dict(zip(KEYS, condition, strict=True))
+        names = dict(zip(SEEDS, condition, strict=True))
         part = {"true": np.repeat(labels, len(labels)), "described": np.tile(labels, len(labels))}
         parts.append(pd.DataFrame({**names, **part, "count": counts.ravel()}))
     return pd.concat(parts, ignore_index=True)
@@ -45,6 +42,6 @@ def count_confusions(described: pd.DataFrame, words: Mapping[str, Sequence[str]]
 def of_method(counts: pd.DataFrame, method: str) -> pd.DataFrame:
     """The counts of one method at every D and ROW, of the first variant and sampler that it has."""
     own = counts[counts["method"] == method]
-    first = [key for key in KEYS if key not in ("D", "ROW")]
+    first = [key for key in SEEDS if key not in ("D", "ROW")]
     same = (own[first] == own[first].iloc[0]).all(axis=1)
     return own[same]

@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
+from evaluation.measure import Measure, Words
 from evaluation.metrics import accuracy, f1_macro
 from evaluation.scores import write_csv
 from features.table import FeatureTable
@@ -20,7 +22,7 @@ FRAME = ("action", "position", "color", "object")
 
 @dataclass(frozen=True)
 class Descriptions:
-    """True and described words, one pair for each word that the tutor said of a trial.
+    """True and described words, a pair for each word that the tutor said of a trial.
 
     Attributes:
         trial: the trial of each pair.
@@ -34,12 +36,8 @@ class Descriptions:
     true: tuple[str, ...]
     described: tuple[str, ...]
 
-    def measures(self) -> dict[str, float | None]:
-        """F1 (macro over the words) and ACC."""
-        return {"F1": f1_macro(self.true, self.described), "ACC": accuracy(self.true, self.described)}
 
-
-def describe_trials(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[str]]) -> Descriptions:
+def describe_trials(fit: Fit, table: FeatureTable, words: Words) -> Descriptions:
     """Describe each trial of a table, word by word, and pair each word with the tutor's.
 
     Args:
@@ -68,8 +66,34 @@ def describe_trials(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[
     return Descriptions(trial, channel_of, true, described)
 
 
+def _f1(told: Descriptions, words: Words) -> float | None:
+    return f1_macro(told.true, told.described)
+
+
+def _acc(told: Descriptions, words: Words) -> float | None:
+    return accuracy(told.true, told.described)
+
+
+def _acc_chance(told: Descriptions, words: Words) -> float | None:
+    """Higher than of a word at random from the whole vocabulary: the channel of each place in a sentence is given."""
+    levels = [1 / len(words[channel]) for channel in told.channel]
+    return float(np.mean(levels)) if levels else None
+
+
+MEASURES = (
+    Measure("F1", _f1),
+    Measure(
+        "ACC",
+        _acc,
+        chance=_acc_chance,
+        by_chance="a word of the right channel at random (the mean of 1 / number of words of the channel over the "
+        "words to say)",
+    ),
+)
+
+
 def write_descriptions(conditions: Sequence[Mapping[str, object]], told: Sequence[Descriptions], path: Path) -> None:
-    """Write every pair of a true and a described word, one row each, with the condition of the fit that described."""
+    """Write every pair of a true and a described word, a row each, with the condition of the fit that described."""
     frames = [
         pd.DataFrame(asdict(one)).assign(**condition)  # type: ignore[arg-type]
         for condition, one in zip(conditions, told, strict=True)

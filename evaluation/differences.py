@@ -8,13 +8,12 @@ import numpy as np
 import pandas as pd
 from scipy.stats import rankdata
 
+from evaluation.scores import SHARED, varying
 from model import METHODS
 from model.data import Floats
 
 # The differences that tables show: A − B and A − C.
 PAIRS = (("proposed", "no_mec2"), ("proposed", "mmlda"))
-# What the two fits of a pair share besides the seed.
-SHARED = ("variant", "inference", "averaged_draws", "chains", "D", "ROW")
 COLUMNS = (*SHARED, "method", "other", "measure", "mean", "sd", "n", "p")
 
 
@@ -78,15 +77,17 @@ def differences(scores: pd.DataFrame, measures: Sequence[str]) -> pd.DataFrame:
             sd = values.std(ddof=1) if len(values) > 1 else float("nan")
             rows.append((*shared, method, other, measure, values.mean(), sd, len(values), signed_rank_p(values)))
     result = pd.DataFrame(rows, columns=list(COLUMNS))
-    order = {pair: i for i, pair in enumerate(PAIRS)} | {measure: i for i, measure in enumerate(measures)}
-    result["pair"] = [order[pair] for pair in zip(result["method"], result["other"], strict=True)]
-    result["place"] = result["measure"].map(order)
-    return result.sort_values([*SHARED, "pair", "place"])[list(COLUMNS)].reset_index(drop=True)
+    order = [*(other for _, other in PAIRS), *measures]
+    return result.sort_values(
+        [*SHARED, "other", "measure"],
+        key=lambda own: own.map(order.index) if own.name in ("other", "measure") else own,
+        ignore_index=True,
+    )
 
 
 def readable_differences(found: pd.DataFrame, measures: Sequence[str]) -> pd.DataFrame:
-    """The differences as people read them: a row a pair, a column a measure, `mean ± sd (p)`."""
-    shown = [key for key in SHARED if key == "ROW" or found[key].nunique() > 1]
+    """The differences as people read them: a row per pair, a column per measure, `mean ± sd (p)`."""
+    shown = varying(found, SHARED, "ROW")
     keys = [*SHARED, "method", "other"]
     most = found["n"].max() if len(found) else 0
     text = [_cell(*values, most) for values in zip(found["mean"], found["sd"], found["n"], found["p"], strict=True)]

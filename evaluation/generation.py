@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from evaluation.measure import Measure, Words
 from evaluation.scores import write_csv
 from features.table import FeatureTable
 from model import Fit
@@ -27,7 +28,7 @@ def answers(fit: Fit, table: FeatureTable) -> tuple[Answer, ...]:
 
 
 def write_answers(table: FeatureTable, answered: Sequence[Answer], judged: Sequence[str | None], path: Path) -> None:
-    """Write a row an instruction: what was asked, what was chosen, and what happened.
+    """Write a row per instruction: what was asked, what was chosen, and what happened.
 
     `object_right` is 1 or 0, or between where choices are tied; `action` is the true word of the instruction,
     `judged` the tutor's word for what the robot did, empty where nothing was executed.
@@ -78,11 +79,38 @@ def read_answers(path: Path) -> pd.DataFrame:
     return pd.read_csv(path, dtype={"chosen": str, "category": str, "action": str, "judged": str})
 
 
-def measures(answered: pd.DataFrame) -> dict[str, float | None]:
-    """OAR and WAR over the instructions; None where the truth is not known, or nothing was executed."""
-    executed = answered.dropna(subset=["action", "judged"])
+def _oar(answered: pd.DataFrame, words: Words) -> float | None:
     right = answered["object_right"].dropna()
-    return {
-        "OAR": float(right.mean()) if len(right) else None,
-        "WAR": float((executed["action"] == executed["judged"]).mean()) if len(executed) else None,
-    }
+    return float(right.mean()) if len(right) else None
+
+
+def _oar_chance(answered: pd.DataFrame, words: Words) -> float | None:
+    objects = answered.loc[answered["object_right"].notna(), "objects"]
+    return float((1 / objects).mean()) if len(objects) else None
+
+
+def _war(answered: pd.DataFrame, words: Words) -> float | None:
+    executed = answered.dropna(subset=["action", "judged"])
+    return float((executed["action"] == executed["judged"]).mean()) if len(executed) else None
+
+
+def _war_chance(answered: pd.DataFrame, words: Words) -> float | None:
+    """Whatever the instructions ask for."""
+    return 1 / len(words["action"]) if len(answered.dropna(subset=["action", "judged"])) else None
+
+
+# Of what `read_answers` gives.
+MEASURES = (
+    Measure(
+        "WAR",
+        _war,
+        chance=_war_chance,
+        by_chance="an action that the tutor calls by each action word equally often (1 / number of action words)",
+    ),
+    Measure(
+        "OAR",
+        _oar,
+        chance=_oar_chance,
+        by_chance="an object at random (the mean of 1 / number of objects over the instructions)",
+    ),
+)

@@ -2,41 +2,71 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from evaluation.metrics import Truth, adjusted_rand_index, channel_by_word, estimation_accuracy_rate
+from evaluation.measure import Measure, Words
+from evaluation.metrics import adjusted_rand_index, channel_by_word, estimation_accuracy_rate
 from evaluation.scores import LETTERS
 from features.table import FeatureTable
-from model import METHODS, Fit
+from model import Fit
 
 
-def csl_measures(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[str]]) -> dict[str, float | None]:
-    """The measures of cross-situational learning of one fit; None where one is not defined.
+@dataclass(frozen=True)
+class Learned:
+    """What the measures are taken of.
 
-    Args:
+    Attributes:
         fit: the fit.
         table: the feature table that was fitted, with its truth where it is known.
-        words: the words by channel.
     """
-    channels = [channel.name for channel in fit.trials.channels]
-    truth: dict[str, Truth] = {name: getattr(table, f"truth_{name}") for name in channels}
-    measures: dict[str, float | None] = {}
-    for c, name in enumerate(channels):
-        measures[f"ARI_{LETTERS[name]}"] = adjusted_rand_index(fit.state.z[c], truth[name])
-    for c, channel in enumerate(fit.trials.channels):
-        if channel.name == "action":
-            continue
-        known = truth[channel.name]
-        attended = None if known is None else [known[i] for i in channel.speaker]
-        measures[f"ARI_{LETTERS[channel.name]}_attended"] = adjusted_rand_index(
-            fit.state.z[c][channel.speaker], attended
-        )
-    index = channel_by_word(words, channels)
-    true_channels = [index.get(fit.trials.vocabulary[w]) for w in fit.trials.words[0]]
-    has_frames = METHODS[fit.method].has_frames
-    measures["EAR"] = estimation_accuracy_rate(fit.state.F, true_channels) if has_frames else None
-    for c, name in enumerate(channels):
-        measures[f"used_{LETTERS[name]}"] = float(len(np.unique(fit.state.z[c])))
-    return measures
+
+    fit: Fit
+    table: FeatureTable
+
+    def truth(self, channel: str) -> Sequence[str | None] | None:
+        """The true words of a channel's elements."""
+        known: Sequence[str | None] | None = getattr(self.table, f"truth_{channel}")
+        return known
+
+    def categories(self, channel: str) -> np.ndarray:
+        """The estimated categories of a channel's elements."""
+        return self.fit.state.z[self.fit.trials.index_of(channel)]
+
+
+def _ari(channel: str, learned: Learned, words: Words) -> float | None:
+    return adjusted_rand_index(learned.categories(channel), learned.truth(channel))
+
+
+def _ari_attended(channel: str, learned: Learned, words: Words) -> float | None:
+    speaker = learned.fit.trials.channels[learned.fit.trials.index_of(channel)].speaker
+    known = learned.truth(channel)
+    return adjusted_rand_index(
+        learned.categories(channel)[speaker], None if known is None else [known[i] for i in speaker]
+    )
+
+
+def _ear(learned: Learned, words: Words) -> float | None:
+    trials = learned.fit.trials
+    channel_of = channel_by_word(words, [channel.name for channel in trials.channels])
+    true = [channel_of.get(trials.vocabulary[w]) for w in trials.words[0]]
+    return estimation_accuracy_rate(learned.fit.state.F, true) if learned.fit.problem.method.has_frames else None
+
+
+def _used(channel: str, learned: Learned, words: Words) -> float:
+    return float(len(np.unique(learned.categories(channel))))
+
+
+MEASURES = (
+    *(Measure(f"ARI_{x}", partial(_ari, channel)) for channel, x in LETTERS.items()),
+    *(
+        Measure(f"ARI_{x}_attended", partial(_ari_attended, channel), in_tables=False)
+        for channel, x in LETTERS.items()
+        if channel != "action"
+    ),
+    Measure("EAR", _ear),
+    *(Measure(f"used_{x}", partial(_used, channel), in_tables=False) for channel, x in LETTERS.items()),
+)

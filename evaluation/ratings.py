@@ -10,12 +10,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from evaluation.confusion import KEYS
-from evaluation.scores import CONDITION, write_csv
-from model import METHODS
+from evaluation.scores import SEEDS, in_order, write_csv
 
 FORM_COLUMNS = ("clip", "rater", "word", "allowed")
-KEY_COLUMNS = ("clip", *(key for key in CONDITION if key != "task"), "trial", "instructed", "judged", "allowed")
+KEY_COLUMNS = ("clip", *SEEDS, "seed", "trial", "instructed", "judged", "allowed")
 
 
 class RatingError(ValueError):
@@ -39,12 +37,12 @@ def make_key(rows: Sequence[Mapping[str, object]], allowed: Sequence[str], rng: 
     """Name the actions to rate clip_001, clip_002, … in an order that tells nothing about their conditions.
 
     Args:
-        rows: one an action, with the columns of `KEY_COLUMNS` except `clip` and `allowed`.
+        rows: one per action, with the columns of `KEY_COLUMNS` except `clip` and `allowed`.
         allowed: the words that raters choose from.
         rng: draws the order.
 
     Returns:
-        Columns `KEY_COLUMNS` and any others of `rows`, a row a clip, in the order of the clips.
+        Columns `KEY_COLUMNS` and any others of `rows`, a row per clip, in the order of the clips.
     """
     order = [rows[i] for i in rng.permutation(len(rows))]
     key = pd.DataFrame(
@@ -54,7 +52,7 @@ def make_key(rows: Sequence[Mapping[str, object]], allowed: Sequence[str], rng: 
 
 
 def write_form(key: pd.DataFrame, path: Path) -> None:
-    """Write the form to fill in: a row a clip, rater and word empty."""
+    """Write the form to fill in: a row per clip, rater and word empty."""
     write_csv(key[["clip", "allowed"]].assign(rater="", word="")[list(FORM_COLUMNS)], path)
 
 
@@ -143,7 +141,7 @@ def human_rates(ratings: Sequence[Rating], key: pd.DataFrame) -> pd.DataFrame:
     """The human WAR of each condition, beside the automatic one.
 
     Returns:
-        One row a condition that was rated, seeds together: its names, `raters`, `ratings`, `human_WAR` (the share
+        One row per condition that was rated, seeds together: its names, `raters`, `ratings`, `human_WAR` (the share
         of a rater's clips whose word is the instructed one, mean over raters), `human_WAR_sd` (standard deviation
         over raters, n − 1), `automatic_WAR` (over the clips that somebody rated) and `agreement` (the share of
         ratings that equal the automatic judgement).
@@ -152,12 +150,12 @@ def human_rates(ratings: Sequence[Rating], key: pd.DataFrame) -> pd.DataFrame:
     told["right"] = told["word"] == told["instructed"]
     told["agrees"] = told["word"] == told["judged"]
     rows = []
-    for condition, own in told.groupby(KEYS, sort=False):
+    for condition, own in told.groupby(SEEDS, sort=False):
         by_rater = own.groupby("rater")["right"].mean()
         clips = own.drop_duplicates("clip")
         rows.append(
             {
-                **dict(zip(KEYS, condition, strict=True)),
+                **dict(zip(SEEDS, condition, strict=True)),
                 "raters": len(by_rater),
                 "ratings": len(own),
                 "human_WAR": by_rater.mean(),
@@ -166,5 +164,4 @@ def human_rates(ratings: Sequence[Rating], key: pd.DataFrame) -> pd.DataFrame:
                 "agreement": own["agrees"].mean(),
             }
         )
-    order = list(METHODS)
-    return pd.DataFrame(rows).sort_values(KEYS, key=lambda own: own.map(order.index) if own.name == "method" else own)
+    return in_order(pd.DataFrame(rows), SEEDS)

@@ -2,32 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
 
 from data_collection.files import replacing
+from model import METHODS
 
-CONDITION = [
-    "experiment",
-    "variant",
-    "task",
-    "method",
-    "inference",
-    "averaged_draws",
-    "chains",
-    "D",
-    "ROW",
-    "seed",
-]
+# What names a fit; its task is what is measured.
+CONDITION = ["experiment", "variant", "task", "method", "sampler", "D", "ROW", "seed"]
 COLUMNS = [*CONDITION, "measure", "value"]
+# What names the seeds of a fit together.
+SEEDS = [key for key in CONDITION if key not in ("task", "seed")]
+# What two methods share that are compared in a table.
+SHARED = [key for key in SEEDS if key not in ("experiment", "method")]
+# What tells one row of a table from another, most general first.
+ROW_KEYS = [*SHARED, "method"]
 # The letter that names a channel in measures and figures.
 LETTERS = {"action": "a", "position": "p", "object": "o", "color": "c"}
 
 
+def in_order(frame: pd.DataFrame, keys: Sequence[str]) -> pd.DataFrame:
+    """The rows by these keys, methods in the order of `METHODS`."""
+    order = list(METHODS)
+    return frame.sort_values(
+        list(keys), key=lambda own: own.map(order.index) if own.name == "method" else own, ignore_index=True
+    )
+
+
+def varying(frame: pd.DataFrame, keys: Iterable[str], *always: str) -> list[str]:
+    """The keys of which a table has more than one value, and those that are always told."""
+    return [key for key in keys if key in always or frame[key].nunique() > 1]
+
+
 def score_rows(condition: Mapping[str, object], measures: Mapping[str, float | None]) -> list[dict[str, object]]:
-    """One row a measure, in the columns of `scores.csv`."""
+    """A row per measure, in the columns of `scores.csv`."""
     return [{**condition, "measure": measure, "value": value} for measure, value in measures.items()]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import pandas as pd
@@ -15,7 +15,7 @@ class Grid:
 
     Attributes:
         caption: what it shows.
-        cells: its text; a row a row, a column a column.
+        cells: its text; as they are shown.
         bold: which cells are bold, by the columns that have such cells; rows as in `cells`.
         names: the ids of cells in the page, by the columns whose cells have one.
     """
@@ -26,25 +26,44 @@ class Grid:
     names: pd.DataFrame | None = None
 
 
-def text_forms(title: str, grids: Sequence[Grid], note: str) -> dict[str, str]:
-    """A file of one or more tables in each form that holds text: md, tex, html.
+@dataclass(frozen=True)
+class Sheet:
+    """What the files of a table hold.
 
-    Args:
-        title: the heading of the file.
-        grids: the tables; one without rows is left out.
+    Attributes:
+        title: the heading.
+        grids: one or more tables; one without rows is left out.
         note: how to read them.
+        data: the numbers behind them, by the ending of their file's name.
     """
-    filled = [grid for grid in grids if len(grid.cells)]
+
+    title: str
+    grids: tuple[Grid, ...]
+    note: str
+    data: Mapping[str, pd.DataFrame]
+
+    @property
+    def filled(self) -> list[Grid]:
+        """The tables that have rows."""
+        return [grid for grid in self.grids if len(grid.cells)]
+
+
+def files(sheet: Sheet) -> dict[str, str]:
+    """The text of each file of a table, by the ending of its name."""
+    fragments = "\n".join(fragment(grid) for grid in sheet.filled)
     return {
-        "md": "\n\n".join([*(markdown(grid) for grid in filled), note]) + "\n",
-        "tex": "\n".join([*(latex(grid) for grid in filled), f"\\noindent\\small {_escape(note)}\n"]),
-        "html": _PAGE.format(
-            title=html.escape(title),
-            style=STYLE,
-            tables="\n".join(fragment(grid) for grid in filled),
-            note=html.escape(note),
-        ),
+        ending: frame.to_csv(index=False, lineterminator="\n", float_format="%.6f")
+        for ending, frame in sheet.data.items()
+    } | {
+        ".md": "\n\n".join([*(markdown(grid) for grid in sheet.filled), sheet.note]) + "\n",
+        ".tex": "\n".join([*(latex(grid) for grid in sheet.filled), f"\\noindent\\small {_escape(sheet.note)}\n"]),
+        ".html": simple_page(sheet.title, f"{fragments}\n<p>{html.escape(sheet.note)}</p>"),
     }
+
+
+def simple_page(title: str, body: str) -> str:
+    """A page that needs no other file: its title as plain text, its body as HTML."""
+    return _PAGE.format(title=html.escape(title), style=STYLE, body=body)
 
 
 def markdown(grid: Grid) -> str:
@@ -63,8 +82,14 @@ def latex(grid: Grid) -> str:
     return str(style.to_latex(caption=_escape(grid.caption), hrules=True, column_format="l" * len(cells.columns)))
 
 
-def fragment(grid: Grid) -> str:
-    """A table with its caption in HTML, without a page around it."""
+def fragment(grid: Grid, prefix: str = "", captioned: bool = True) -> str:
+    """A table in HTML, without a page around it.
+
+    Args:
+        grid: the table.
+        prefix: what the ids of cells begin with.
+        captioned: whether the caption is shown.
+    """
     escaped = Grid(grid.caption, grid.cells.astype(str).map(html.escape), grid.bold)
     cells = _marked(escaped, "<b>", "</b>")
     head = "".join(f"<th>{html.escape(str(column))}</th>" for column in cells.columns)
@@ -72,16 +97,14 @@ def fragment(grid: Grid) -> str:
     ids = [[names[column].iloc[row] if column in names else None for column in cells] for row in range(len(cells))]
     rows = [
         "".join(
-            f'<td id="{html.escape(name)}">{text}</td>' if name else f"<td>{text}</td>"
+            f'<td id="{html.escape(prefix + name)}">{text}</td>' if name else f"<td>{text}</td>"
             for name, text in zip(row_ids, row, strict=True)
         )
         for row_ids, row in zip(ids, cells.itertuples(index=False), strict=True)
     ]
     body = "\n".join(f"<tr>{row}</tr>" for row in rows)
-    return (
-        f"<table>\n<caption>{html.escape(grid.caption)}</caption>\n<thead><tr>{head}</tr></thead>\n"
-        f"<tbody>\n{body}\n</tbody>\n</table>"
-    )
+    caption = f"<caption>{html.escape(grid.caption)}</caption>\n" if captioned else ""
+    return f"<table>\n{caption}<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table>"
 
 
 def _marked(grid: Grid, before: str, after: str) -> pd.DataFrame:
@@ -117,6 +140,7 @@ caption { text-align: left; font-weight: 600; padding: .4em 0; }
 th, td { padding: .25em .9em; text-align: left; border-bottom: 1px solid #ddd; vertical-align: top; }
 thead th { border-top: 2px solid #222; border-bottom: 1px solid #222; }
 tbody tr:last-child td { border-bottom: 2px solid #222; }
+img { max-width: 100%; display: block; }
 td:target { background: #ffe9a8; }
 p { max-width: 60em; }"""
 
@@ -126,6 +150,6 @@ _PAGE = """<!doctype html>
 {style}
 </style></head>
 <body><h1>{title}</h1>
-{tables}
-<p>{note}</p></body></html>
+{body}
+</body></html>
 """

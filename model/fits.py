@@ -27,13 +27,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import TypeAdapter
 
 from model.data import Channel, Floats, Ints, Trials
 from model.methods import METHODS
 from model.prior import Prior
 from model.problem import Problem
-from model.samplers import AnySampler, Sampler
+from model.samplers import Sampler, sampler_of
 from model.state import Partition, State
 
 
@@ -193,7 +192,7 @@ def _from_arrays(arrays: dict[str, Any]) -> Fit:
     trials = Trials(channels, arrays["words"], arrays["word_trial"], vocabulary)
     return Fit(
         problem=Problem(trials, METHODS[str(arrays["method"])], priors),
-        sampler=TypeAdapter(AnySampler).validate_python(settings),
+        sampler=sampler_of(settings),
         state=state,
         trace_log_joint=arrays["trace_log_joint"],
         trace_used=arrays["trace_used"],

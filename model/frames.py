@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import permutations, product
@@ -84,7 +84,7 @@ class FramePrior(ABC):
 
     def explained(self, trials: Trials, F: Ints, c: int) -> Flags:
         """Return (T,) whether channel c explains each word."""
-        return F == c
+        return np.asarray(F == c)
 
     def log_scores(self, action: Floats, objects: Sequence[Floats], W: int) -> Floats:
         """Sum over the frames of an instruction, equations (26) to (28).
@@ -205,6 +205,6 @@ def _frame_list(prior: FramePrior, channels: int, longest: int) -> FrameList:
     return FrameList(np.ascontiguousarray(np.concatenate(padded)), bounds.astype(np.int64))
 
 
-def _as_rows(frames: permutations[int] | product[int], words: int) -> Ints:
+def _as_rows(frames: Iterable[tuple[int, ...]], words: int) -> Ints:
     rows = list(frames)
     return np.array(rows, dtype=np.int64).reshape(len(rows), words)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
 
-from evaluation.claims.comparisons import Cell, Comparison, Sum
+from evaluation.claims.judging import Cell, Comparison, Sum
 from evaluation.scores import LETTERS
 
 A, B, C, ALL = "proposed", "no_mec2", "mmlda", "gmm"

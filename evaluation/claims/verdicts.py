@@ -12,14 +12,15 @@ import pandas as pd
 
 from data_collection.seeding import generator
 from evaluation.catalogue import cell_name, paper_table_with
-from evaluation.claims.comparisons import FAILS, HOLDS, NOT_RUN, OPEN, Cell, Comparison, combine, judge
+from evaluation.claims.judging import FAILS, HOLDS, NOT_RUN, OPEN, Cell, Comparison, combine, judge
 from evaluation.claims.paper import ACTION_WORDS, CLAIMS, Claim, confused
 from evaluation.differences import signed
+from evaluation.measures import MEASURES, shown
 from evaluation.metrics import confusion
 from evaluation.scores import COLUMNS, CONDITION
 
 # Whose fits the claims are about: those of the paper's algorithm with the config's own hyperparameters.
-VARIANT, INFERENCE = "default", "blocked"
+VARIANT, SAMPLER = "default", "published"
 CELL = ["experiment", "D", "ROW", "method", "measure"]
 CLAIM_COLUMNS = ["claim", "text", "experiment", "paper", "ours", "verdict", "rests_on", "note"]
 COMPARISON_COLUMNS = [
@@ -63,7 +64,7 @@ def description_scores(descriptions: pd.DataFrame) -> pd.DataFrame:
 
 
 def judge_claims(scores: pd.DataFrame, descriptions: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Decide every claim from a study's results, by the rules of `comparisons.judge` and `comparisons.combine`.
+    """Decide every claim from a study's results, by the rules of `judging.judge` and `judging.combine`.
 
     Args:
         scores: all rows of `scores.csv`.
@@ -97,15 +98,16 @@ def judge_claims(scores: pd.DataFrame, descriptions: pd.DataFrame) -> tuple[pd.D
 
 
 def _paper(rows: pd.DataFrame) -> pd.DataFrame:
-    return rows[(rows["variant"] == VARIANT) & (rows["inference"] == INFERENCE)]
+    return rows[(rows["variant"] == VARIANT) & (rows["sampler"] == SAMPLER)]
 
 
 def link(cell: Cell) -> str:
     """Where a cell is shown, from the output folder: a place in the page of one of the paper's tables, or a file."""
-    table = paper_table_with(cell.experiment, cell.measure, cell.D)
+    task = next((task for task in MEASURES if cell.measure in shown([task])), "")
+    table = paper_table_with(cell.experiment, task, cell.D)
     if table is None:
         return f"descriptions/{cell.experiment}_D{cell.D}.csv"
-    return f"tables/{table}.html#{cell_name(VARIANT, INFERENCE, cell.D, cell.ROW, cell.method, cell.measure)}"
+    return f"tables/{table}.html#{cell_name(VARIANT, SAMPLER, cell.D, cell.ROW, cell.method, cell.measure)}"
 
 
 def _links(comparison: Comparison) -> list[str]:

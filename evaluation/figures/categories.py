@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
@@ -9,11 +11,24 @@ from numpy.typing import NDArray
 
 from evaluation.figures.drawing import PAGE_WIDTH, STYLE, coarse
 from evaluation.figures.fit import category_label
+from evaluation.figures.source import Source
+from features.percept_data import first, join, load_percepts
 from model import Fit
 
 CROPS_A_ROW = 12
 GAP = 4
 """White pixels between crops."""
+
+
+def _of_channel(channel: str, source: Source) -> Figure:
+    """The crops in each category of a channel of the most probable fit."""
+    _, fit, title = source.most_probable()
+    percepts = join([load_percepts(path) for path in source.files["percepts"]])
+    return category_crops(fit, channel, first(percepts, source.settings["condition"]["D"]).crop, title)
+
+
+object_categories = partial(_of_channel, "object")
+color_categories = partial(_of_channel, "color")
 
 
 def typical_first(fit: Fit, channel: str) -> dict[int, NDArray[np.int64]]:

@@ -11,13 +11,21 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from evaluation.confusion import of_method
 from evaluation.figures.drawing import PAGE_WIDTH, STYLE
+from evaluation.figures.source import Source
 from model import METHODS
 
 PANEL_HEIGHT = 2.15
 """Inches. Four panels one below the other fill a page."""
 SMALLEST_CELL = 11.0
 """Points. Counts in narrower cells could not be read."""
+
+
+def confusion(source: Source) -> Figure:
+    """The confusion matrices of one method."""
+    counts = pd.concat([pd.read_csv(path) for path in source.files["counts"]], ignore_index=True)
+    return confusion_figure(of_method(counts, source.names["method"]), source.settings["words"])
 
 
 def confusion_figure(counts: pd.DataFrame, words: Mapping[str, Sequence[str]]) -> Figure:

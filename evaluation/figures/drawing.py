@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,11 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image as Pillow
 
 from data_collection.files import replacing
+from data_collection.image_files import save_gif, save_png
+from data_collection.log.messages import Image
 
 PAGE_WIDTH = 7.0
 """Width of a figure, inches; at this width no letter is smaller than 7 points."""
@@ -30,7 +33,7 @@ STYLE: Any = {
 }
 
 
-def picture(image: NDArray[np.uint8]) -> Figure:
+def picture(image: Image) -> Figure:
     """A figure that is one image, (H, W, 3) RGB, over the whole width of a page."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(PAGE_WIDTH, PAGE_WIDTH * image.shape[0] / image.shape[1]))
@@ -38,6 +41,31 @@ def picture(image: NDArray[np.uint8]) -> Figure:
         axes.set_axis_off()
         axes.imshow(coarse(image))
     return figure
+
+
+@dataclass(frozen=True)
+class Animation:
+    """Pictures one after the other.
+
+    Attributes:
+        frames: the pictures.
+        rate: pictures per second.
+        hold: seconds that the last one stays longer.
+    """
+
+    frames: list[Image]
+    rate: float
+    hold: float
+
+
+def save(drawn: Figure | Animation | Image, *paths: Path) -> None:
+    """Write what was drawn: a figure in the form of each path, a picture as PNG, an animation as GIF."""
+    if isinstance(drawn, Figure):
+        save_figure(drawn, *paths)
+    elif isinstance(drawn, Animation):
+        save_gif(paths[0], drawn.frames, drawn.rate, drawn.hold)
+    else:
+        save_png(paths[0], drawn)
 
 
 def save_figure(figure: Figure, *paths: Path) -> None:
@@ -53,8 +81,8 @@ def save_figure(figure: Figure, *paths: Path) -> None:
                 continue
             drawn = BytesIO()
             figure.savefig(drawn, dpi=DPI, format="png")
-            shades = coarse(np.asarray(Image.open(drawn).convert("RGB")))
-            Image.fromarray(shades).save(temporary, format="PNG", optimize=True)
+            shades = coarse(np.asarray(Pillow.open(drawn).convert("RGB")))
+            Pillow.fromarray(shades).save(temporary, format="PNG", optimize=True)
 
 
 def coarse(image: NDArray[np.uint8]) -> NDArray[np.uint8]:

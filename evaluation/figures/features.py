@@ -10,14 +10,32 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Patch, Rectangle
-from numpy.typing import NDArray
 
+from data_collection.log.mcap_log import read_log
+from data_collection.log.messages import Image
+from data_collection.log.trial import observation
 from evaluation.figures.drawing import PAGE_WIDTH, STYLE
-from features.overview import Overview
+from evaluation.figures.source import Source
+from features.overview import Overview, overview
+from features.percept_data import first, join, load_percepts
+from features.table import read_table
+from features.transforms import load_transforms
 
-Image = NDArray[np.uint8]
 IMAGES = 8
 CROPS_A_ROW = 20
+
+
+def features(source: Source) -> Figure:
+    """What the robot saw and felt in the training trials."""
+    files, D = source.files, source.settings["D"]
+    table = read_table(files["trials"][0], files["objects"][0], need_attention=True)
+    percepts = first(join([load_percepts(path) for path in files["percepts"]]), D)
+    seen = overview(percepts, load_transforms(files["transforms"][0]), table, source.settings["groups"])
+    paths = dict(zip(source.settings["trials"], files["logs"], strict=True))
+    # Where many trials were dropped, fewer than that are among the first logs.
+    shown = [trial for trial in seen.trial[:IMAGES].tolist() if trial in paths]
+    images = [observation(read_log(paths[trial])).image_before for trial in shown]
+    return features_overview(seen, images, f"{source.names['experiment']}, D = {D}")
 
 
 def features_overview(seen: Overview, images: Sequence[Image], title: str) -> Figure:

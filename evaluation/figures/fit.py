@@ -12,8 +12,21 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Rectangle
 
 from evaluation.figures.drawing import PAGE_WIDTH, STYLE
+from evaluation.figures.source import Source
 from evaluation.scores import LETTERS
 from model import Fit
+
+
+def words(source: Source) -> Figure:
+    """The word distributions of the most probable fit."""
+    _, fit, title = source.most_probable()
+    return word_distributions(fit, source.settings["words"], title)
+
+
+def positions(source: Source) -> Figure:
+    """The position categories of the most probable fit."""
+    _, fit, title = source.most_probable()
+    return position_categories(fit, title)
 
 
 def word_distributions(fit: Fit, words: Mapping[str, Sequence[str]], title: str) -> Figure:

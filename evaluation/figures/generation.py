@@ -11,13 +11,39 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from data_collection.log.mcap_log import Log
+from data_collection.log.mcap_log import Log, read_log
 from data_collection.log.messages import Image
-from data_collection.log.trial import truth
-from evaluation.figures.drawing import DPI, PAGE_WIDTH, STYLE, coarse
+from data_collection.log.trial import observation, truth
+from data_collection.show import animation
+from evaluation.figures.drawing import DPI, PAGE_WIDTH, STYLE, Animation, coarse
+from evaluation.figures.source import Source
+from evaluation.generation import read_answers
 
 COLUMNS = 3
 RIGHT, WRONG = "#1b7837", "#c1272d"
+
+
+def generation(source: Source) -> Figure:
+    """The actions of the most probable fit."""
+    answered, logs, title = _carried_out(source)
+    seen = [observation(log) for log in logs]
+    pictures = [(one.image_before, one.image_after) for one in seen if one.image_after is not None]
+    return generated_actions(answered, pictures, title)
+
+
+def action(source: Source) -> Animation:
+    """One action of the most probable fit, from outside."""
+    answered, logs, _ = _carried_out(source)
+    frames = animation(logs[shown_action(answered, logs)], width=400, height=300, every=2)
+    return Animation(frames, rate=8.0, hold=2.0)
+
+
+def _carried_out(source: Source) -> tuple[pd.DataFrame, list[Log], str]:
+    """The answers of the most probable fit, the log of each, and the title."""
+    best, _, title = source.most_probable()
+    answered = read_answers(source.files["answers"][best])
+    logs = [read_log(source.files["logs"][best] / f"trial_{trial:04}.mcap") for trial in answered["trial"]]
+    return answered, logs, title
 
 
 def generated_actions(answered: pd.DataFrame, pictures: Sequence[tuple[Image, Image]], title: str) -> Figure:

@@ -9,10 +9,10 @@ from typing import Any
 import pandas as pd
 
 from data_collection.files import replacing
-from evaluation.claims.comparisons import FAILS, HOLDS, NOT_RUN, OPEN
+from evaluation.claims.judging import FAILS, HOLDS, NOT_RUN, OPEN
 from evaluation.differences import signed
 from evaluation.scores import write_csv
-from evaluation.table_forms import STYLE
+from evaluation.table_forms import simple_page
 
 COLOR = {HOLDS: "#d9f0d3", FAILS: "#f9d5cf", OPEN: "#fdf0c8", NOT_RUN: "#eeeeee"}
 RULES = (
@@ -23,7 +23,7 @@ RULES = (
     "comparison that does not hold refutes a claim; else one that was not run leaves it not run; else one that is "
     "not decidable leaves it so. There is no correction for the number of comparisons, so the more a claim has, the "
     "sooner one fails by chance. The seeds share one data set: another could change a verdict. The claims are about "
-    "the paper's algorithm: the blocked sampler with single draws and the variant “default” of the config."
+    "the paper's algorithm: the sampler “published” and the variant “default” of the config."
 )
 
 
@@ -49,7 +49,7 @@ def write_claims(
     write_csv(claims, claims_csv)
     write_csv(comparisons.round(6), rows_csv)
     with replacing(page) as (temporary,):
-        temporary.write_text(_PAGE.format(style=STYLE, body=claims_html(claims, comparisons)), encoding="utf-8")
+        temporary.write_text(simple_page("Claims of the paper", claims_html(claims, comparisons)), encoding="utf-8")
 
 
 def _claim(claim: pd.Series[Any], comparisons: pd.DataFrame) -> str:
@@ -75,14 +75,3 @@ def _comparison(row: pd.Series[Any]) -> str:
 
 def _verdict(verdict: str) -> str:
     return f'<td style="background: {COLOR[verdict]}">{verdict}</td>'
-
-
-_PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>Claims of the paper</title>
-<style>
-{style}
-</style></head>
-<body><h1>Claims of the paper</h1>
-{body}
-</body></html>
-"""

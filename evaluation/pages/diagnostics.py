@@ -1,4 +1,4 @@
-"""Have the chains of a condition mixed? A page a data set, and its figures as a table."""
+"""Have the chains of a condition mixed? A page per data set, and its figures as a table."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import pandas as pd
 from data_collection.files import replacing
 from evaluation.figures.chains import chains_figure
 from evaluation.scores import write_csv
+from evaluation.table_forms import simple_page
 from model import METHODS, Fit
 from model.data import Floats
 from model.diagnostics import chain_quantities, diagnose
@@ -29,7 +30,7 @@ def diagnose_condition(condition: Mapping[str, Any], fits: Sequence[Fit]) -> tup
 
     Args:
         condition: the names of the condition, without the seed.
-        fits: one a seed.
+        fits: one per seed.
     """
     quantities = chain_quantities(fits, BURN_IN)
     table = pd.DataFrame([asdict(one) for one in diagnose(quantities)])
@@ -48,9 +49,7 @@ def write_page(title: str, parts: Sequence[tuple[pd.DataFrame, str]], table: Pat
     """Write the figures of all conditions as CSV and as one page that needs no other file."""
     write_csv(pd.concat([frame for frame, _ in parts]), table)
     with replacing(page) as (temporary,):
-        temporary.write_text(
-            _PAGE.format(title=title, sections="\n".join(text for _, text in parts)), encoding="utf-8"
-        )
+        temporary.write_text(simple_page(title, "\n".join([NOTE, *(text for _, text in parts)])), encoding="utf-8")
 
 
 def _section(title: str, table: pd.DataFrame, fits: Sequence[Fit], shown: Mapping[str, Floats]) -> str:
@@ -71,20 +70,8 @@ def _section(title: str, table: pd.DataFrame, fits: Sequence[Fit], shown: Mappin
     return f'<h2>{title}</h2>\n<img alt="{title}" src="data:image/png;base64,{image}">\n{rows}'
 
 
-_PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>{title}</title>
-<style>
-body {{ font: 15px/1.5 system-ui, sans-serif; margin: 2em; color: #222; }}
-table {{ border-collapse: collapse; font-variant-numeric: tabular-nums; }}
-th, td {{ padding: .2em .9em; text-align: left; border-bottom: 1px solid #ddd; }}
-img {{ max-width: 100%; display: block; }}
-</style></head>
-<body><h1>{title}</h1>
-<p>Each seed is a chain; the second half of its iterations counts. R-hat (rank-normalised, split) is near 1 where
-chains agree, and infinite where each stays at a value of its own; flat rank plots say the same. Where they do not
+NOTE = """<p>Each seed is a chain; the second half of its iterations counts. R-hat (rank-normalised, split) is near
+1 where chains agree, and infinite where each stays at a value of its own; flat rank plots say the same. Where they do not
 agree, a last state is a mode of the posterior that a chain has found, not a summary of it. A quantity that never
 changes has no ranks and no figures (–). Conditions in which some words are omitted are missing: each of their seeds
-hears other words, and has a posterior of its own.</p>
-{sections}
-</body></html>
-"""
+hears other words, and has a posterior of its own.</p>"""

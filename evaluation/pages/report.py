@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from html import escape, unescape
+from html import escape
 from pathlib import Path, PurePath
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from evaluation.pages.captions import caption, titled
+from evaluation.catalogue import ShownFigure
 from evaluation.pages.page import Part, Section, image, table, wide
-from evaluation.tables import ROW_KEYS
+from evaluation.scores import ROW_KEYS, varying
+from evaluation.table_forms import Sheet, fragment
 from model import METHODS
 
 PAPER = '<a href="https://doi.org/10.3389/fnbot.2017.00066">Taniguchi, Taniguchi and Cangelosi (2017)</a>'
@@ -39,7 +39,7 @@ def about(
     rows = []
     for name, origin in origins.items():
         own = fits[fits.experiment == name]
-        heard = own[own.method != "gmm"]
+        heard = own[[METHODS[method].hears_words for method in own.method]]
         rows.append(
             {
                 "experiment": name,
@@ -76,9 +76,9 @@ def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame | None, anchors: Col
     """The paper's claims, and which of them hold here.
 
     Args:
-        claimed: a row a claim; all columns are shown. Those called `claim`, `verdict` and `rests_on` become anchors
+        claimed: a row per claim; all columns are shown. Those called `claim`, `verdict` and `rests_on` become anchors
             `claim_1` …, marks, and links.
-        comparisons: a row a comparison on which a claim rests, likewise; None where there are none.
+        comparisons: a row per comparison on which a claim rests, likewise; None where there are none.
         anchors: the anchors of the page, to which links to files of their names lead.
     """
 
@@ -114,39 +114,26 @@ def _link(word: str, anchors: Collection[str]) -> str:
     path, _, cell = word.partition("#")
     name = PurePath(path).stem
     if name in anchors:
-        return f'<a href="#{escape(_cell_anchor(name, cell) if cell else name)}">{escape(name)}</a>'
+        return f'<a href="#{escape(f"{name}.{cell}" if cell else name)}">{escape(name)}</a>'
     return f'<a href="{escape(word)}">{escape(PurePath(path).name)}</a>' if "/" in word else escape(word)
 
 
-def _cell_anchor(name: str, cell: str) -> str:
-    """The anchor of a cell: tables that show the same number call its cell the same."""
-    return f"{name}.{cell}"
-
-
-def tables(paths: Sequence[Path]) -> Section:
-    """All tables, each under its file's name as anchor.
+def tables(sheets: Mapping[str, Sheet]) -> Section:
+    """All tables, each with its file's name as anchor; the ids of cells begin with it, because tables share cells.
 
     Args:
-        paths: the tables as HTML pages, `tables/{name}.html`; the other forms are beside them.
-
-    Raises:
-        ValueError: a page has no title, or no table.
+        sheets: what the tables hold, by name.
     """
     text = "<p>Each table is also a file, for a spreadsheet or a paper.</p>"
-    return Section("tables", "Tables", text, tuple(_table_part(path) for path in paths))
+    parts = (Part(name, sheet.title, _table(name, sheet)) for name, sheet in sheets.items())
+    return Section("tables", "Tables", text, tuple(parts))
 
 
-def _table_part(path: Path) -> Part:
-    page = path.read_text(encoding="utf-8")
-    found = re.search(r"<body>\s*<h1>(?P<title>.*?)</h1>(?P<body>.*<table.*</table>.*)</body>", page, re.DOTALL)
-    if found is None:
-        raise ValueError(f"{path}: not the page of a table (a body of <h1>, then <table>, is needed)")
+def _table(name: str, sheet: Sheet) -> str:
     # The heading says what the first caption would say again.
-    body = found["body"].strip().replace(f"<caption>{found['title']}</caption>", "", 1)
-    body = re.sub(r'id="(.*?)"', lambda one: f'id="{_cell_anchor(path.stem, one[1])}"', body)
-    body = re.sub(r"<table.*?</table>", lambda one: wide(one[0]), body, flags=re.DOTALL)
-    files = _files(f"{path.parent.name}/{path.stem}.{form}" for form in ("csv", "md", "tex"))
-    return Part(path.stem, unescape(found["title"]), f"{body}\n{files}")
+    shown = (wide(fragment(grid, f"{name}.", grid.caption != sheet.title)) for grid in sheet.filled)
+    files = _files(f"tables/{name}.{form}" for form in ("csv", "md", "tex"))
+    return "\n".join([*shown, f"<p>{escape(sheet.note)}</p>", files])
 
 
 def _files(paths: Iterable[str]) -> str:
@@ -154,32 +141,30 @@ def _files(paths: Iterable[str]) -> str:
     return f'<p class="note">Files: {", ".join(links)}</p>'
 
 
-def figures(paths: Sequence[Path], experiments: Collection[str]) -> Section:
-    """All figures with their captions, each under its file's path as anchor: tables have such names, too.
+def figures(shown: Iterable[ShownFigure], out: Path) -> Section:
+    """All figures with their captions, each with its file's path as anchor: tables have such names, too.
 
     Args:
-        paths: `figures/{experiment}_{figure}.png`, or another kind of image.
-        experiments: the names of the experiments.
+        shown: the figures.
+        out: the output folder.
     """
     text = "<p>A click on a figure opens its file.</p>"
-    return Section("figures", "Figures", text, tuple(_figure_part(path, experiments) for path in paths))
+    return Section("figures", "Figures", text, tuple(_figure_part(figure, out / figure.path) for figure in shown))
 
 
-def _figure_part(path: Path, experiments: Collection[str]) -> Part:
-    title, figure = titled(path.stem, experiments)
-    where, content = f"{path.parent.name}/{path.name}", path.read_bytes()
+def _figure_part(figure: ShownFigure, path: Path) -> Part:
+    where, content = escape(figure.path), path.read_bytes()
     fits = len(content) <= LARGEST_IMAGE.get(path.suffix, len(content))
-    shown = image(content, path.suffix, f"{title}. {figure.caption}".strip()) if fits else escape(where)
-    text = escape(caption(figure))
-    body = f'<figure><a href="{escape(where)}">{shown}</a><figcaption>{text}</figcaption></figure>'
-    return Part(where, title, body)
+    shown = image(content, path.suffix, f"{figure.title}. {figure.caption}") if fits else where
+    body = f'<figure><a href="{where}">{shown}</a><figcaption>{escape(figure.caption)}</figcaption></figure>'
+    return Part(figure.path, figure.title, body)
 
 
 def diagnostics(chains: Mapping[str, pd.DataFrame]) -> Section:
     """Whether the chains of each condition agree, in a few numbers.
 
     Args:
-        chains: by the name of its file, the diagnoses of an experiment and D: a row a condition and quantity.
+        chains: by the name of its file, the diagnoses of an experiment and D: a row per condition and quantity.
     """
     text = (
         f"<p>The seeds of a condition are chains of one posterior where all words, or none, are heard. R-hat "
@@ -201,7 +186,7 @@ def _of_data(frame: pd.DataFrame) -> str:
 
 
 def _agreement(frame: pd.DataFrame) -> pd.DataFrame:
-    keys = [key for key in ROW_KEYS if key in frame and (key in ("ROW", "method") or frame[key].nunique() > 1)]
+    keys = varying(frame, ROW_KEYS, "ROW", "method")
     rows = []
     for values, own in frame.groupby(keys, sort=False):
         told = own.dropna(subset=["r_hat"])

@@ -1,17 +1,14 @@
-"""How fits answer uncertain instructions, measured, and the table of it."""
+"""How fits answer uncertain instructions, measured."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from data_collection.files import replacing
-from evaluation.scores import write_csv
-from evaluation.table_forms import Grid, text_forms
-from evaluation.tables import ROW_KEYS, readable, summarise
+from evaluation.scores import ROW_KEYS, SHARED, write_csv
 from evaluation.uncertain.instructions import KINDS, Instruction
 from model import Fit
 from model.data import Floats
@@ -31,14 +28,6 @@ OPEN = {
     "chance_fit": "chance of fitting",
     "chance_outvoted": "chance of outvoted",
 }
-NOTE = (
-    "Mean ± standard deviation (n − 1) over the seeds of each seed's mean over the sentences; the data are the same "
-    "for all seeds. An object fits when its true words contradict no word that is said. OAR among fitting: the "
-    "chosen object is one that fits. Outvoted: the instructed object is chosen in spite of the wrong word. The "
-    "entropy is that of the probability of the objects; a listener who knows the words has ln of the number of "
-    "fitting objects. Means leave out sentences for which a measure is not defined: no object fits, or no word is "
-    "wrong."
-)
 
 
 def measures_of(answer: Answer, instruction: Instruction) -> dict[str, float | None]:
@@ -88,7 +77,7 @@ def answer_uncertain(
         asked: the instructions.
 
     Returns:
-        One row an instruction: condition, trial, kind, sentence, the words that training never saw and that were
+        A row per instruction: condition, trial, kind, sentence, the words that training never saw and that were
         ignored, the most probable objects, and the measures.
     """
     rows = []
@@ -120,67 +109,11 @@ def read_uncertain(paths: Iterable[Path]) -> pd.DataFrame:
 
 
 def of_condition(answered: pd.DataFrame, condition: Mapping[str, object]) -> pd.DataFrame:
-    """The rows of one variant, inference, D and ROW, with all methods and seeds."""
-    same = [answered[key] == condition[key] for key in ("variant", "inference", "D", "ROW")]
+    """The rows of one variant, sampler, D and ROW, with all methods and seeds."""
+    same = [answered[key] == condition[key] for key in SHARED]
     return answered[np.logical_and.reduce(same)]
 
 
 def by_seed(answered: pd.DataFrame, group: str, measures: Iterable[str]) -> pd.DataFrame:
-    """The mean of each measure for each fit and value of a column, one row each; measures as columns."""
+    """The mean of each measure for each fit and value of a column, a row each; measures as columns."""
     return answered.groupby([*ROW_KEYS, "seed", group], sort=False)[list(measures)].mean().reset_index()
-
-
-def summarise_uncertain(answered: pd.DataFrame) -> pd.DataFrame:
-    """Mean, standard deviation and number of seeds of each measure, by kind and condition.
-
-    Returns:
-        One row for each kind, in the order of `KINDS`, and condition, as `summarise` orders them; columns `kind`,
-        those of `OPEN` (means over the sentences, the same for every fit), and those of `summarise`.
-    """
-    means = by_seed(answered, "kind", MEASURES)
-    sentences = answered.drop_duplicates(["trial", "kind", "instruction"]).groupby("kind")
-    known = sentences[[name for name in OPEN if name != "sentences"]].mean().assign(sentences=sentences.size())
-    parts = []
-    for kind in (kind for kind in KINDS if kind in known.index):
-        scores = means[means["kind"] == kind].melt([*ROW_KEYS, "seed"], [*MEASURES], "measure", "value")
-        parts.append(summarise(scores, tuple(MEASURES)).assign(kind=kind))
-    joined = pd.concat(parts, ignore_index=True).merge(known, left_on="kind", right_index=True)
-    return joined[["kind", *OPEN, *(name for name in joined.columns if name not in ("kind", *OPEN))]]
-
-
-def render_uncertain(answered: pd.DataFrame, title: str, paths: Mapping[str, Path]) -> None:
-    """Write the table of uncertain instructions in several forms, each to its path.
-
-    Args:
-        answered: the rows of all fits of an experiment.
-        title: its heading.
-        paths: by form: csv, md, tex, html.
-    """
-    summary = summarise_uncertain(answered)
-    shown = readable(summary, tuple(MEASURES)).rename(columns=MEASURES)
-    for place, (name, label) in enumerate(OPEN.items()):
-        shown.insert(place, label, [_number(value) for value in summary[name]])
-    shown.insert(0, "instruction", [KINDS[kind].label for kind in summary["kind"]])
-    texts = text_forms(title, [Grid(title, shown)], " ".join([NOTE, *_remarks(answered)]))
-    texts["csv"] = summary.to_csv(index=False, lineterminator="\n", float_format="%.6f")
-    for form, path in paths.items():
-        with replacing(path) as (temporary,):
-            temporary.write_text(texts[form], encoding="utf-8")
-
-
-def _remarks(answered: pd.DataFrame) -> Iterator[str]:
-    """What was left out of these answers: words, kinds of sentence, truth that is not known."""
-    ignored = sorted({word for words in answered["ignored"].dropna() for word in words.split()})
-    if ignored:
-        yield f"Words that training never saw were left out: {', '.join(ignored)}."
-    missing = [kind.label for name, kind in KINDS.items() if name not in set(answered["kind"])]
-    if missing:
-        yield f"The test set gives no sentence for: {'; '.join(missing)}."
-    sentences = answered.drop_duplicates(["trial", "kind", "instruction"])
-    unknown = int(sentences["fitting"].isna().sum())
-    if unknown:
-        yield f"For {unknown} of {len(sentences)} sentences it is not known which objects fit."
-
-
-def _number(value: float) -> str:
-    return "–" if np.isnan(value) else f"{value:.3f}".rstrip("0").rstrip(".")

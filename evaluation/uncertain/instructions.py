@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from evaluation.uncertain.scenes import OBJECT_CHANNELS, Scene, Words, places_of, scene_of, with_twin
+from evaluation.measure import Words
+from evaluation.uncertain.scenes import OBJECT_CHANNELS, Scene, places_of, scene_of, with_twin
 from features.table import FeatureTable
 
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from evaluation.generation import objects_of
+from evaluation.measure import Words
 from features.table import FeatureTable
 from model.data import Floats
 
 OBJECT_CHANNELS = ("position", "object", "color")
-Words = Mapping[str, Sequence[str]]
 
 
 @dataclass(frozen=True, eq=False)

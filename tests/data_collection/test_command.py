@@ -6,7 +6,8 @@ from PIL import Image
 
 from data_collection.__main__ import main
 from data_collection.log.mcap_log import Log, write_log
-from data_collection.show import animation, brief, save_gif
+from data_collection.image_files import save_gif
+from data_collection.show import animation, brief
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from features.table import FeatureTable, read_table
-from model import Fit, Trials, fit
+from model import Blocked, Fit, Problem, Trials, fit
 from tests.synthetic import OBJECTS_COLUMNS, TRIALS_COLUMNS, own_rows, write_rows
 
 
@@ -26,7 +26,7 @@ def fit_of(table: FeatureTable, method: str, words: bool = True) -> Fit:
     trials = Trials.from_arrays(**table.learning_input())
     if not words:
         trials = trials.keep_words(np.zeros(len(trials.word_trial), dtype=bool))
-    return fit(trials, method, np.random.default_rng(2), iterations=15)
+    return fit(Problem.of(trials, method), Blocked(iterations=15), np.random.default_rng(2))
 
 
 @pytest.fixture(scope="session")

@@ -13,15 +13,15 @@ import pandas as pd
 from evaluation.figures.chains import chains_figure
 from evaluation.pages.diagnostics import diagnose_condition, write_page
 from features.table import FeatureTable
-from model import Fit, Trials, fit
+from model import Blocked, Fit, Problem, Trials, fit
 
 CONDITION = {"experiment": "own", "method": "proposed", "D": 12, "ROW": 0}
 
 
 def chains(table: FeatureTable) -> list[Fit]:
     """Three chains of one posterior."""
-    trials = Trials.from_arrays(**table.learning_input())
-    return [fit(trials, "proposed", np.random.default_rng(i), iterations=40, keep_history=20) for i in range(3)]
+    problem = Problem.of(Trials.from_arrays(**table.learning_input()), "proposed")
+    return [fit(problem, Blocked(iterations=40), np.random.default_rng(i)) for i in range(3)]
 
 
 def test_the_page_shows_every_condition(table: FeatureTable, tmp_path: Path) -> None:

@@ -120,7 +120,8 @@ def test_csv_gives_every_word_back(tmp_path: Path) -> None:
 def test_figures(proposed: Fit, tmp_path: Path) -> None:
     vocabulary = proposed.trials.vocabulary
     words = (*(WORDS * 2)[: len(vocabulary) - 2], r"$\frac$", "$$")
-    hostile = replace(proposed, trials=replace(proposed.trials, vocabulary=words))
+    trials = replace(proposed.trials, vocabulary=words)
+    hostile = replace(proposed, problem=replace(proposed.problem, trials=trials))
     figure = word_distributions(hostile, {"action": words[:3]}, r"$\title$")
     save_figure(figure, tmp_path / "a.png")
     assert (tmp_path / "a.png").stat().st_size > 1000

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from model import Prior, Trials
-from tests.model.samplers import RULES
+from model import SAMPLERS, Prior, Sampler, Trials
+from tests.model.samplers import HEARING
 from tests.synthetic import trials_of_model
 
 
-@pytest.fixture(params=sorted(RULES))
-def rule(request: pytest.FixtureRequest) -> str:
-    """The frame rule of each method."""
-    return RULES[request.param]
+@pytest.fixture(params=sorted(HEARING))
+def method(request: pytest.FixtureRequest) -> str:
+    """Each method that hears words."""
+    return str(request.param)
+
+
+@pytest.fixture(params=SAMPLERS)
+def kind(request: pytest.FixtureRequest) -> type[Sampler[Any]]:
+    """Each kind of sampler."""
+    return SAMPLERS[request.param]
 
 
 @pytest.fixture

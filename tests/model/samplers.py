@@ -1,67 +1,29 @@
-"""Both samplers behind one face, and kernels that are broken on purpose."""
+"""What tests need around the samplers, and kernels that are broken on purpose."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from model import Prior, Settings, State, Trials, blocked, collapsed
-from model.kernels import conditionals as given
+from model import METHODS, SAMPLERS, Prior, Problem, Sampler, State, Trials
 from model.data import Floats, Ints
 from model.distributions.dirichlet import count_log_marginal
-from model.frames import METHODS
 from model.distributions.gaussian_densities import gaussian_log_marginal
 from model.distributions.gaussians import gaussian_posterior
-from model.joint import draw_data, draw_frames_prior, draw_parameters
+from model.joint import draw_data, draw_parameters
+from model.kernels import collapsed_assignments, collapsed_frames, conditionals, words
+from model.kernels.words import word_counts
 from model.state import Partition
 from tests.synthetic import trials_of_model
 
 Priors = tuple[Prior, ...]
-RULES = {name: method.rule for name, method in METHODS.items() if name != "gmm"}
-
-
-@dataclass(frozen=True)
-class Sampler:
-    """A kernel with what tests need around it.
-
-    Attributes:
-        init: a state for data, far from the posterior perhaps.
-        step: the kernel.
-        of: the part of a whole state that this sampler moves.
-        redraw: new data given a state.
-    """
-
-    init: Callable[..., Any]
-    step: Callable[..., Any]
-    of: Callable[[State], Any]
-    redraw: Callable[..., Trials]
-
-
-def _redraw_collapsed(
-    rng: np.random.Generator, design: Trials, rule: Any, priors: Priors, state: Partition
-) -> Trials:
-    """Data given z and F: parameters from their prior, which z and F do not touch."""
-    parameters = draw_parameters(rng, design, rule, priors)
-    return draw_data(rng, design, rule, replace(parameters, z=state.z, F=state.F))
-
-
-SAMPLERS = {
-    "blocked": Sampler(
-        init=lambda rng, trials, rule, priors: blocked.init(rng, trials, rule, priors, Settings()),
-        step=lambda rng, state, trials, rule, priors: blocked.step(rng, state, trials, rule, priors, Settings()),
-        of=lambda state: state,
-        redraw=lambda rng, design, rule, priors, state: draw_data(rng, design, rule, state),
-    ),
-    "collapsed": Sampler(
-        init=collapsed.init,
-        step=collapsed.step,
-        of=lambda state: Partition(state.z, state.F),
-        redraw=_redraw_collapsed,
-    ),
-}
+HEARING = [name for name, method in METHODS.items() if method.hears_words]
+# Each kind as it is by default: a kernel that leaves the posterior as it is.
+EXACT: dict[str, Sampler[Any]] = {kind: sampler() for kind, sampler in SAMPLERS.items()}
 
 
 def tiny_trials(objects: list[int], lengths: list[int], W: int) -> Trials:
@@ -72,19 +34,46 @@ def tiny_trials(objects: list[int], lengths: list[int], W: int) -> Trials:
     return replace(trials, channels=(trials.channels[0], trials.channels[2]), words=words, vocabulary=vocabulary)
 
 
-def quantities(trials: Trials, rule: Any, priors: Priors, state: State | Partition) -> Floats:
+@lru_cache
+def moves_parameters(sampler: Sampler[Any]) -> bool:
+    """Whether a sampler's states hold π, φ and θ."""
+    problem = Problem.of(tiny_trials([1], [1], W=1), "mmlda")
+    return isinstance(sampler.init(np.random.default_rng(0), problem), State)
+
+
+def moved_by(sampler: Sampler[Any], state: State) -> Partition:
+    """The part of a whole state that a sampler moves."""
+    return state if moves_parameters(sampler) else Partition(state.z, state.F)
+
+
+def redraw(rng: np.random.Generator, problem: Problem, state: Partition) -> Problem:
+    """New data given a state; of one without parameters they come from their prior, which z and F do not touch."""
+    if not isinstance(state, State):
+        state = replace(draw_parameters(rng, problem), z=state.z, F=state.F)
+    return draw_data(rng, problem, state)
+
+
+def quantities(problem: Problem, state: Partition) -> Floats:
     """Label-free numbers of data and state, bounded or with light tails, of which each block moves some."""
     result: list[Any] = []
-    for c, (channel, prior) in enumerate(zip(trials.channels, priors, strict=True)):
+    for c, (channel, prior) in enumerate(zip(problem.trials.channels, problem.priors, strict=True)):
         z, x, K = state.z[c], channel.features[:, 0], prior.categories
         pairs = np.triu_indices(len(z), 1)
         same, close = (z[:, None] == z)[pairs], (np.abs(x[:, None] - x) < 0.5)[pairs]
-        mine = given.explained_words(rule, state.F, c, len(trials.word_trial))
-        counts = given.word_counts(trials, c, prior, z, mine)
-        law = gaussian_posterior(channel.features, z, K, *prior.gaussian(channel.dim))
-        emission = gaussian_log_marginal(prior.gaussian(channel.dim), law) / channel.features.size
-        words = trials.words[c]
-        result += [same.mean(), close.mean(), (same & close).mean(), np.arctan(x[0]), np.count_nonzero(law.counts)]
+        mine, counts, words = (
+            problem.explained(state.F, c),
+            word_counts(problem, c, z, state.F),
+            problem.trials.words[c],
+        )
+        posterior = gaussian_posterior(channel.features, z, K, problem.gaussian(c))
+        emission = gaussian_log_marginal(problem.gaussian(c), posterior) / channel.features.size
+        result += [
+            same.mean(),
+            close.mean(),
+            (same & close).mean(),
+            np.arctan(x[0]),
+            np.count_nonzero(posterior.counts),
+        ]
         result += [np.arctan(emission), count_log_marginal(counts, prior.word_concentration), (counts**2).sum()]
         result += [mine[0], mine.mean(), np.mean(words[:, None] == words)]
         if isinstance(state, State):
@@ -97,7 +86,7 @@ def quantities(trials: Trials, rule: Any, priors: Priors, state: State | Partiti
 
 def other_prior(prior: Prior, **factors: float) -> Prior:
     """The prior with some hyperparameters multiplied."""
-    return replace(prior, **{name: getattr(prior, name) * factor for name, factor in factors.items()})
+    return prior.model_copy(update={name: getattr(prior, name) * factor for name, factor in factors.items()})
 
 
 # Broken kernels: module, name of the function, and what makes a broken one of the right one.
@@ -106,30 +95,33 @@ Breaker = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 def _mishears(right: Callable[..., Any]) -> Callable[..., Any]:
     """Each category takes its neighbour's word distribution for its own."""
-    return lambda trials, c, log_weights, mean, factor, log_words, explained: right(
-        trials, c, log_weights, mean, factor, np.roll(log_words, 1, axis=0), explained
-    )
+
+    def broken(problem: Problem, c: int, state: State) -> Floats:
+        rolled = tuple(np.roll(log_words, 1, axis=0) for log_words in state.log_words)
+        return np.asarray(right(problem, c, replace(state, log_words=rolled)))
+
+    return broken
 
 
 def _with_prior(**factors: float) -> Breaker:
-    def make(right: Callable[..., Any]) -> Callable[..., Any]:
-        def broken(*arguments: Any) -> Any:
-            return right(*(other_prior(a, **factors) if isinstance(a, Prior) else a for a in arguments))
+    def other(argument: Any) -> Any:
+        if isinstance(argument, Problem):
+            return replace(argument, priors=tuple(other(prior) for prior in argument.priors))
+        return other_prior(argument, **factors) if isinstance(argument, Prior) else argument
 
-        return broken
-
-    return make
+    return lambda right: lambda *arguments: right(*map(other, arguments))
 
 
 def _without_counts(right: Callable[..., Any]) -> Callable[..., Any]:
-    def broken(trials: Trials, c: int, prior: Prior, z: Ints, explained: Any) -> Floats:
-        return np.full((prior.categories, len(trials.vocabulary)), prior.word_concentration)
+    def broken(problem: Problem, c: int, z: Ints, F: Ints) -> Floats:
+        prior = problem.priors[c]
+        return np.full((prior.categories, len(problem.trials.vocabulary)), prior.word_concentration)
 
     return broken
 
 
 def _frames_at_random(right: Callable[..., Any]) -> Callable[..., Any]:
-    return lambda rng, trials, rule, *rest: draw_frames_prior(rng, trials, rule)
+    return lambda rng, problem, *rest: problem.frame_prior.draw(rng, problem.trials)
 
 
 def _too_hot(right: Callable[..., Any]) -> Callable[..., Any]:
@@ -138,20 +130,20 @@ def _too_hot(right: Callable[..., Any]) -> Callable[..., Any]:
 
 BROKEN: dict[str, dict[str, tuple[Any, str, Breaker]]] = {
     "blocked": {
-        "z mishears": (given, "assignment_log_weights", _mishears),
-        "π with another α": (given, "draw_weights", _with_prior(concentration=4.0)),
-        "φ with another V0": (given, "draw_categories", _with_prior(scale=1.5)),
-        "φ with another κ0": (given, "draw_categories", _with_prior(mean_precision=3.0)),
-        "F is deaf": (given, "draw_frames", _frames_at_random),
-        "θ never learns": (given, "word_concentration", _without_counts),
+        "z mishears": (conditionals, "assignment_log_weights", _mishears),
+        "π with another α": (conditionals, "draw_weights", _with_prior(concentration=4.0)),
+        "φ with another V0": (conditionals, "draw_categories", _with_prior(scale=1.5)),
+        "φ with another κ0": (conditionals, "draw_categories", _with_prior(mean_precision=3.0)),
+        "F is deaf": (conditionals, "draw_frames", _frames_at_random),
+        "θ never learns": (words, "word_concentration", _without_counts),
     },
     "collapsed": {
-        "z with another α": (collapsed, "draw_assignments", _with_prior(concentration=4.0)),
-        "z with another V0": (collapsed, "draw_assignments", _with_prior(scale=5.0)),
-        "z with another γ": (collapsed, "draw_assignments", _with_prior(word_concentration=0.02)),
-        "z too hot": (collapsed, "draw_assignments", _too_hot),
-        "F is deaf": (collapsed, "draw_frames", _frames_at_random),
-        "F too hot": (collapsed, "draw_frames", _too_hot),
+        "z with another α": (collapsed_assignments, "sweep_assignments", _with_prior(concentration=4.0)),
+        "z with another V0": (collapsed_assignments, "sweep_assignments", _with_prior(scale=5.0)),
+        "z with another γ": (collapsed_assignments, "sweep_assignments", _with_prior(word_concentration=0.02)),
+        "z too hot": (collapsed_assignments, "sweep_assignments", _too_hot),
+        "F is deaf": (collapsed_frames, "sweep_frames", _frames_at_random),
+        "F too hot": (collapsed_frames, "sweep_frames", _too_hot),
     },
 }
 # Without frames there is none to break.

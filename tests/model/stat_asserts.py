@@ -59,7 +59,7 @@ def assert_means(draws: Floats, expected: Floats, error: Floats | float = 0.0) -
     )
 
 
-def assert_same_law(draws: Floats, independent: Floats) -> None:
+def assert_same_distribution(draws: Floats, independent: Floats) -> None:
     """The means of a chain (chains, draws, Q) are those of independent draws (n, Q)."""
     error = independent.std(axis=0) / np.sqrt(len(independent))
     assert_means(draws, independent.mean(axis=0), error)

@@ -18,12 +18,12 @@ from model import compiled
 # Prints a digest of two fits' traces, and the folder of the compiled code.
 PROGRAM = """
 import hashlib, numpy as np
-from model import Trials, fit
+from model import SAMPLERS, Problem, Trials, fit
 from model.compiled import cache_folder
 trials = Trials.from_arrays(np.eye(3), {"color": np.eye(3)}, [0, 1, 2], [0, 0, 0], [["a"], ["b", "a"], []])
 digest = hashlib.sha256()
-for inference in ("blocked", "collapsed"):
-    result = fit(trials, "proposed", np.random.default_rng(5), iterations=20, inference=inference)
+for kind in SAMPLERS.values():
+    result = fit(Problem.of(trials, "proposed"), kind(iterations=20), np.random.default_rng(5))
     digest.update(result.trace_log_joint)
 print(digest.hexdigest(), cache_folder())
 """
@@ -79,12 +79,18 @@ def test_a_package_that_cannot_be_written_is_no_hindrance(tmp_path: Path) -> Non
 def test_the_folder_hangs_on_the_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "kernel.py").write_text("from model.compiled import compiled\n")
     (tmp_path / "plain.py").write_text("x = 1\n")
+    (tmp_path / "inner").mkdir()
+    (tmp_path / "inner" / "more.py").write_text("y = 1\n")
     digests = [compiled._digest(tmp_path)]
     # A module without compiled functions may define what they unpack.
-    for name, text in (("plain.py", "x = 2\n"), ("kernel.py", "from model.compiled import compiled \n")):
+    for name, text in (
+        ("plain.py", "x = 2\n"),
+        ("kernel.py", "from model.compiled import compiled \n"),
+        ("inner/more.py", "y = 2\n"),
+    ):
         (tmp_path / name).write_text(text)
         digests.append(compiled._digest(tmp_path))
-    assert len(set(digests)) == 3
+    assert len(set(digests)) == 4
     changed = digests[-1]
     monkeypatch.setattr(binding, "get_host_cpu_name", lambda: "another")
     assert compiled._digest(tmp_path) != changed

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from model import METHODS, Prior, Trials, fit
-from model.fitting import INFERENCE
+from model import METHODS, SAMPLERS, Blocked, Collapsed, Prior, Problem, Sampler, Trials, fit
 
 
 @st.composite
@@ -53,15 +52,14 @@ some_priors = st.builds(
 )
 
 
-def check(trials: Trials, prior: Prior, method: str, inference: Any, seed: int, temperature: float) -> None:
+def check(trials: Trials, prior: Prior, method: str, sampler: Sampler[Any], seed: int) -> None:
     """A fit of a few iterations is finite and in range, or refused for a sentence that is too long."""
     too_long = trials.sentence_lengths.max() > len(trials.channels)
-    arguments: dict[str, Any] = {"iterations": 4, "inference": inference, "temperature": temperature}
     if method == "proposed" and too_long:
         with pytest.raises(ValueError, match="sentences have more than"):
-            fit(trials, method, np.random.default_rng(seed), prior, **arguments)
+            Problem.of(trials, method, prior)
         return
-    result = fit(trials, method, np.random.default_rng(seed), prior, **arguments)
+    result = fit(Problem.of(trials, method, prior), sampler, np.random.default_rng(seed))
     state = result.state
     assert np.all(np.isfinite(result.trace_log_joint))
     for c in range(len(trials.channels)):
@@ -77,31 +75,30 @@ def check(trials: Trials, prior: Prior, method: str, inference: Any, seed: int, 
 ONE_TRIAL = Trials.from_arrays(np.zeros((1, 2)), {"color": np.zeros((1, 1))}, [0], [0], [[]])
 
 
-@example(trials=ONE_TRIAL, prior=Prior(), method="proposed", inference="blocked", seed=0, temperature=1.0)
-@example(trials=ONE_TRIAL, prior=Prior(), method="mmlda", inference="collapsed", seed=0, temperature=1.0)
-@settings(max_examples=150, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
-@given(
+some_samplers = st.sampled_from(
+    [*(kind(iterations=4) for kind in SAMPLERS.values()), Collapsed(iterations=4, temperature=7.0)]
+)
+some_fits = given(
     trials=some_trials(),
     prior=some_priors,
     method=st.sampled_from(sorted(METHODS)),
-    inference=st.sampled_from(INFERENCE),
+    sampler=some_samplers,
     seed=st.integers(0, 1000),
-    temperature=st.sampled_from([1.0, 7.0]),
 )
-def test_every_fit_is_finite(
-    trials: Trials, prior: Prior, method: str, inference: str, seed: int, temperature: float
-) -> None:
-    check(trials, prior, method, inference, seed, temperature if inference == "collapsed" else 1.0)
+
+
+@example(trials=ONE_TRIAL, prior=Prior(), method="proposed", sampler=Blocked(iterations=4), seed=0)
+@example(trials=ONE_TRIAL, prior=Prior(), method="mmlda", sampler=Collapsed(iterations=4), seed=0)
+@settings(max_examples=150, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+@some_fits
+def test_every_fit_is_finite(trials: Trials, prior: Prior, method: str, sampler: Sampler[Any], seed: int) -> None:
+    check(trials, prior, method, sampler, seed)
 
 
 @pytest.mark.slow
 @settings(max_examples=3000, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
-@given(
-    trials=some_trials(),
-    prior=some_priors,
-    method=st.sampled_from(sorted(METHODS)),
-    inference=st.sampled_from(INFERENCE),
-    seed=st.integers(0, 1000),
-)
-def test_every_fit_is_finite_at_length(trials: Trials, prior: Prior, method: str, inference: str, seed: int) -> None:
-    check(trials, prior, method, inference, seed, 1.0)
+@some_fits
+def test_every_fit_is_finite_at_length(
+    trials: Trials, prior: Prior, method: str, sampler: Sampler[Any], seed: int
+) -> None:
+    check(trials, prior, method, sampler, seed)

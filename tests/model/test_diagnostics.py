@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model import Fit, Trials, fit
+from model import Blocked, Fit, Problem, Trials, fit
 from model.diagnostics import chain_quantities, diagnose, rank_counts
 
 
 @pytest.fixture
 def fits(trials: Trials) -> list[Fit]:
-    return [fit(trials, "no_mec2", np.random.default_rng(s), iterations=40, keep_history=20) for s in range(4)]
+    problem = Problem.of(trials, "no_mec2")
+    return [fit(problem, Blocked(iterations=40), np.random.default_rng(s)) for s in range(4)]
 
 
 def test_quantities_are_label_free(fits: list[Fit]) -> None:
@@ -71,7 +72,7 @@ def test_rank_counts() -> None:
 
 def test_fits_of_different_posteriors_are_refused(trials: Trials, fits: list[Fit]) -> None:
     other = trials.keep_words(np.arange(len(trials.word_trial)) > 0)
-    stranger = fit(other, "mmlda", np.random.default_rng(0), iterations=40, keep_history=20)
+    stranger = fit(Problem.of(other, "mmlda"), Blocked(iterations=40), np.random.default_rng(0))
     with pytest.raises(ValueError, match=r"fit 5 is no other chain .* method, words"):
         chain_quantities([*fits, stranger])
     with pytest.raises(ValueError, match="kept iterations"):

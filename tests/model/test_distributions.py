@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from model import Prior, gaussian_densities, gaussians
-from model import distributions as law
+from model import Prior
 from model.data import Floats, Ints
+from model.distributions import dirichlet, gaussian_densities, gaussians
 from model.distributions.gaussians import GaussianInverseWishart
 from model.distributions.predictive import student_constant, student_log_density
+from model.log_space import log_sum
 
 
 def posterior_of(prior: Prior, features: Floats, z: Ints) -> GaussianInverseWishart:
-    return gaussians.gaussian_posterior(features, z, prior.categories, *prior.gaussian(features.shape[1]))
+    return gaussians.gaussian_posterior(features, z, prior.categories, prior.gaussian(features.shape[1]))
 
 
 def scale_of(posterior: GaussianInverseWishart, k: int) -> Floats:
@@ -31,8 +32,8 @@ def test_giw_density_is_scipys(dim: int) -> None:
     for k in range(3):
         sigma = factor[k] @ factor[k].T
         scale = scale_of(posterior, k)
-        expected = stats.invwishart(posterior.freedom[k], scale).logpdf(sigma)
-        expected += stats.multivariate_normal(posterior.mean[k], sigma / posterior.strength[k]).logpdf(mean[k])
+        expected = stats.invwishart(posterior.degrees_of_freedom[k], scale).logpdf(sigma)
+        expected += stats.multivariate_normal(posterior.mean[k], sigma / posterior.mean_precision[k]).logpdf(mean[k])
         assert gaussian_densities.giw_log_density(posterior, mean, factor)[k] == pytest.approx(expected)
         density = stats.multivariate_normal(mean[k], sigma).logpdf(features)
         assert gaussian_densities.gaussian_log_density(features, mean, factor)[:, k] == pytest.approx(density)
@@ -50,7 +51,10 @@ def test_posterior_is_that_of_the_specification() -> None:
     V -= (kappa + n) * np.outer(m, m)
     assert scale_of(posterior, 1) == pytest.approx(V)
     assert posterior.mean[1] == pytest.approx(m)
-    assert (posterior.strength[1], posterior.freedom[1]) == (pytest.approx(6.3), pytest.approx(3 + 2 + 6))
+    assert (posterior.mean_precision[1], posterior.degrees_of_freedom[1]) == (
+        pytest.approx(6.3),
+        pytest.approx(3 + 2 + 6),
+    )
     assert posterior.upper[0] == pytest.approx(np.sqrt(0.2) * np.eye(3))
 
 
@@ -83,10 +87,10 @@ def test_averaged_draws_narrow_the_mean_only() -> None:
 
 def test_log_dirichlet_does_not_underflow() -> None:
     rng = np.random.default_rng(2)
-    draws = law.draw_log_dirichlet(rng, np.full((1000, 10), 1e-4), 1)
+    draws = dirichlet.draw_log_dirichlet(rng, np.full((1000, 10), 1e-4), 1)
     assert np.all(np.isfinite(draws))
     assert np.exp(draws).sum(axis=1) == pytest.approx(1.0)
-    means = np.exp(law.draw_log_dirichlet(rng, np.tile([0.3, 1.0, 4.0], (20_000, 1)), 1)).mean(axis=0)
+    means = np.exp(dirichlet.draw_log_dirichlet(rng, np.tile([0.3, 1.0, 4.0], (20_000, 1)), 1)).mean(axis=0)
     assert means == pytest.approx(np.array([0.3, 1.0, 4.0]) / 5.3, abs=0.01)
 
 
@@ -94,13 +98,13 @@ def test_dirichlet_density_is_scipys() -> None:
     concentration = np.array([0.3, 2.0, 1.1])
     p = np.array([0.2, 0.5, 0.3])
     expected = stats.dirichlet(concentration).logpdf(p)
-    assert law.dirichlet_log_density(np.log(p)[None], concentration[None]) == pytest.approx(expected)
+    assert dirichlet.dirichlet_log_density(np.log(p)[None], concentration[None]) == pytest.approx(expected)
 
 
 def test_categorical_follows_its_weights() -> None:
     rng = np.random.default_rng(4)
     weights = np.log([0.1, 1e-300, 0.6, 0.3]) - 1e4
-    drawn = law.draw_categorical(rng, np.tile(weights, (20_000, 1)))
+    drawn = dirichlet.draw_categorical(rng, np.tile(weights, (20_000, 1)))
     shares = np.bincount(drawn, minlength=4) / 20_000
     assert shares == pytest.approx([0.1, 0.0, 0.6, 0.3], abs=0.015)
 
@@ -108,8 +112,8 @@ def test_categorical_follows_its_weights() -> None:
 def test_averaged_log_dirichlet_is_the_log_of_the_mean() -> None:
     concentration = np.array([[0.3, 1.0, 4.0]])
     rng = np.random.default_rng(9)
-    single = [np.exp(law.draw_log_dirichlet(rng, concentration, 1)) for _ in range(7)]
-    assert np.exp(law.draw_log_dirichlet(np.random.default_rng(9), concentration, 7)) == pytest.approx(
+    single = [np.exp(dirichlet.draw_log_dirichlet(rng, concentration, 1)) for _ in range(7)]
+    assert np.exp(dirichlet.draw_log_dirichlet(np.random.default_rng(9), concentration, 7)) == pytest.approx(
         np.mean(single, axis=0)
     )
 
@@ -119,7 +123,7 @@ def test_predictive_density_is_scipys_student(dim: int) -> None:
     rng = np.random.default_rng(dim)
     prior = Prior(categories=2, mean=0.2, mean_precision=0.7, scale=0.4, extra_degrees_of_freedom=1.5)
     posterior = posterior_of(prior, rng.normal(size=(9, dim)), np.zeros(9, dtype=np.int64))
-    point, kappa, nu = rng.normal(size=dim), posterior.strength[0], posterior.freedom[0]
+    point, kappa, nu = rng.normal(size=dim), posterior.mean_precision[0], posterior.degrees_of_freedom[0]
     shape = scale_of(posterior, 0) * (kappa + 1) / (kappa * (nu - dim + 1))
     expected = stats.multivariate_t(posterior.mean[0], shape, df=nu - dim + 1).logpdf(point)
     constant = student_constant(posterior, 0)
@@ -131,5 +135,5 @@ def test_log_sums_where_probabilities_are_lost(values: list[float]) -> None:
     """Far below what exp can hold, and where nothing is left to sum."""
     given = np.array(values)
     expected = np.logaddexp.reduce(given)
-    assert law.log_sum(given[None])[0, 0] == pytest.approx(expected, rel=1e-15)
-    assert law.log_total(given) == pytest.approx(expected, rel=1e-15)
+    assert log_sum(given[None])[0, 0] == pytest.approx(expected, rel=1e-15)
+    assert dirichlet.log_total(given) == pytest.approx(expected, rel=1e-15)

@@ -8,18 +8,20 @@ from itertools import product
 import numpy as np
 import pytest
 
-from model import Prior, Trials
+from model import METHODS, Prior, Problem
 from model.data import Floats, Ints
-from model.frames import distinct_frames
 from model.joint import log_marginal_joint
-from tests.model.samplers import BROKEN, SAMPLERS, tiny_trials
+from model.state import Partition
+from tests.model.samplers import BROKEN, EXACT, tiny_trials
 from tests.model.stat_asserts import LIMIT, assert_means, distances
 
-PRIORS = (Prior(categories=2, mean_precision=0.5, scale=0.5, extra_degrees_of_freedom=3.0, word_concentration=0.3),) * 2
+PRIORS = (
+    Prior(categories=2, mean_precision=0.5, scale=0.5, extra_degrees_of_freedom=3.0, word_concentration=0.3),
+) * 2
 
 
 @pytest.fixture
-def tiny(rule: str) -> Trials:
+def tiny(method: str) -> Problem:
     """Three trials, four objects, sentences of two words, one and one, of a vocabulary of two.
 
     Without frames each channel has a sentence of its own, as the model says.
@@ -28,35 +30,37 @@ def tiny(rule: str) -> Trials:
     # Features that hardly tell the elements apart, so that the words do.
     channels = tuple(replace(channel, features=0.3 * channel.features) for channel in trials.channels)
     heard = [0, 1, 0, 0]
-    return replace(trials, channels=channels, words=np.array([heard, [1, 1, 0, 1] if rule == "every" else heard]))
+    words = np.array([heard, heard if METHODS[method].has_frames else [1, 1, 0, 1]])
+    return Problem.of(replace(trials, channels=channels, words=words), method, PRIORS)
 
 
-def frames(rule: str) -> list[tuple[int, ...]]:
-    if rule == "every":
+def frames(problem: Problem) -> list[tuple[int, ...]]:
+    """Every F of the sentences of two words, one and one."""
+    if not problem.frame_prior.has_frames:
         return [()]
-    pairs = distinct_frames(2, 2).tolist() if rule == "distinct" else list(product(range(2), repeat=2))
-    return [(*pair, *singles) for pair in pairs for singles in product(range(2), repeat=2)]
+    pairs, single = (problem.frame_prior.allowed(2, words).tolist() for words in (2, 1))
+    return [(*pair, *one, *other) for pair in pairs for one in single for other in single]
 
 
-def label_free(trials: Trials, rule: str, z: tuple[Ints, ...], F: Ints) -> Floats:
+def label_free(problem: Problem, z: tuple[Ints, ...], F: Ints) -> Floats:
     """Which elements of a channel share a category; the channel of each word; both; the log joint."""
     pairs = [float(part[i] == part[j]) for part in z for i in range(len(part)) for j in range(i)]
-    return np.array([*pairs, *F, *(F * pairs[0]), log_marginal_joint(trials, rule, PRIORS, z, F)], dtype=np.float64)
+    return np.array([*pairs, *F, *(F * pairs[0]), log_marginal_joint(problem, Partition(z, F))], dtype=np.float64)
 
 
 def key(z: tuple[Ints, ...], F: Ints) -> bytes:
     return bytes(np.concatenate([*z, F]).astype(np.uint8))
 
 
-def every_state(trials: Trials, rule: str) -> dict[bytes, Floats]:
+def every_state(problem: Problem) -> dict[bytes, Floats]:
     """The quantities of each of the 2 to the number of elements, times frames, states."""
-    sizes = [len(channel.features) for channel in trials.channels]
+    sizes = [len(channel.features) for channel in problem.trials.channels]
     values = {}
     for labels in product(range(2), repeat=sum(sizes)):
         z = (np.array(labels[: sizes[0]]), np.array(labels[sizes[0] :]))
-        for frame in frames(rule):
+        for frame in frames(problem):
             F = np.array(frame, dtype=np.int64)
-            values[key(z, F)] = label_free(trials, rule, z, F)
+            values[key(z, F)] = label_free(problem, z, F)
     return values
 
 
@@ -66,21 +70,21 @@ def exact_means(values: dict[bytes, Floats]) -> Floats:
     return np.asarray((p / p.sum()) @ table)
 
 
-def sampled(trials: Trials, rule: str, sampler: str, values: dict[bytes, Floats], steps: int) -> Floats:
+def sampled(problem: Problem, sampler: str, values: dict[bytes, Floats], steps: int) -> Floats:
     """(1, steps, Q) along a chain."""
-    rng, kernel = np.random.default_rng(21), SAMPLERS[sampler]
-    state = kernel.init(rng, trials, rule, PRIORS)
+    rng, kernel = np.random.default_rng(21), EXACT[sampler]
+    state = kernel.init(rng, problem)
     drawn = []
-    for _ in range(steps):
-        state = kernel.step(rng, state, trials, rule, PRIORS)
+    for i in range(steps):
+        state = kernel.step(rng, problem, state, i)
         drawn.append(values[key(state.z, state.F)])
     return np.array(drawn)[None]
 
 
-@pytest.mark.parametrize("sampler", sorted(SAMPLERS))
-def test_posterior_is_the_exact_one(tiny: Trials, rule: str, sampler: str) -> None:
-    values = every_state(tiny, rule)
-    assert_means(sampled(tiny, rule, sampler, values, 6000), exact_means(values))
+@pytest.mark.parametrize("sampler", sorted(EXACT))
+def test_posterior_is_the_exact_one(tiny: Problem, sampler: str) -> None:
+    values = every_state(tiny)
+    assert_means(sampled(tiny, sampler, values, 6000), exact_means(values))
 
 
 # Others move a posterior of four objects too little to be seen here; the joint distribution test sees them.
@@ -95,9 +99,9 @@ def test_posterior_is_the_exact_one(tiny: Trials, rule: str, sampler: str) -> No
     ],
 )
 def test_a_broken_kernel_is_noticed(
-    tiny: Trials, rule: str, sampler: str, broken: str, monkeypatch: pytest.MonkeyPatch
+    tiny: Problem, sampler: str, broken: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    values = every_state(tiny, rule)
+    values = every_state(tiny)
     module, name, breaker = BROKEN[sampler][broken]
     monkeypatch.setattr(module, name, breaker(getattr(module, name)))
-    assert distances(sampled(tiny, rule, sampler, values, 3000), exact_means(values)).max() > LIMIT
+    assert distances(sampled(tiny, sampler, values, 3000), exact_means(values)).max() > LIMIT

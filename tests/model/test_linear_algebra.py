@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from model import linear_algebra as algebra
 from model.data import Floats
+from model.distributions import triangular as algebra
 
 
 @pytest.fixture(params=[1, 2, 5, 30])

@@ -10,19 +10,17 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 
-from model import METHODS, Fit, Prior, Trials, fit, load, save
+from model import Blocked, Fit, Prior, Problem, Trials, fit, load, save
 from model.data import Floats
 from model.distributions.gaussian_densities import gaussian_log_density
 from model.prediction import LONGEST_INSTRUCTION, Answer, describe, responsibilities, understand
 
-METHOD_NAMES = ["proposed", "no_mec2", "mmlda"]
 
-
-@pytest.fixture(params=METHOD_NAMES)
-def learned(request: pytest.FixtureRequest, trials: Trials) -> Fit:
+@pytest.fixture
+def learned(method: str, trials: Trials) -> Fit:
     """A fit of three channels: action, position, color."""
     priors = [Prior(categories=K, mean_precision=0.5, scale=0.5) for K in (3, 2, 4)]
-    return fit(trials, request.param, np.random.default_rng(3), priors=priors, iterations=10)
+    return fit(Problem.of(trials, method, priors), Blocked(iterations=10), np.random.default_rng(3))
 
 
 @pytest.fixture
@@ -44,13 +42,11 @@ def log_words_given_frames(learned: Fit, z: tuple[int, ...], words: list[int]) -
     """Log Σ_f λ_f ∏ p(word | f): every frame of the method listed, z the categories of the three channels."""
     theta = [learned.state.log_words[c][k] for c, k in enumerate(z)]
     C, N, W = len(z), len(words), len(learned.trials.vocabulary)
-    rule = METHODS[learned.method].rule
-    if rule == "every":
+    frame_prior = learned.problem.frame_prior
+    if not frame_prior.has_frames:
         return float(sum(theta[c][w] for c in range(C) for w in words))
-    if rule == "independent":
-        frames = [list(enumerate(f)) for f in product(range(C), repeat=N)]
-    elif N <= C:
-        frames = [list(enumerate(f)) for f in permutations(range(C), N)]
+    if N <= frame_prior.longest_sentence(C):
+        frames = [list(enumerate(f)) for f in frame_prior.allowed(C, N)]
     else:
         frames = [[(n, c) for c, n in enumerate(chosen)] for chosen in permutations(range(N), C)]
     terms = [sum(theta[c][words[n]] for n, c in frame) - (N - len(frame)) * np.log(W) for frame in frames]
@@ -137,7 +133,7 @@ def test_descriptions_are_the_most_probable_words(learned: Fit, scene: dict[str,
 
 
 def test_no_description_without_words(learned: Fit, scene: dict[str, Floats]) -> None:
-    wordless = replace(learned, trials=replace(learned.trials, vocabulary=()))
+    wordless = replace(learned, problem=replace(learned.problem, trials=replace(learned.trials, vocabulary=())))
     with pytest.raises(ValueError, match="training had none"):
         describe(wordless, "color", scene["color"])
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from sklearn.metrics import adjusted_rand_score
 
-from model import METHODS, Trials, fit
+from model import METHODS, Blocked, Collapsed, Problem, Trials, fit
 from model.data import Floats, Ints
 
 # Action, position, object, color; and five channels.
@@ -44,7 +44,7 @@ def separated(rng: np.random.Generator, D: int, dimensions: tuple[int, ...]) -> 
 def found(method: str, seed: int, dimensions: tuple[int, ...], chains: int = 1) -> tuple[float, Floats]:
     """EAR, which is 1 where there are no frames, and each channel's ARI, by the collapsed sampler."""
     trials, labels, frames = separated(np.random.default_rng(seed), 60, dimensions)
-    state = fit(trials, method, np.random.default_rng(seed), inference="collapsed", chains=chains).state
+    state = fit(Problem.of(trials, method), Collapsed(chains=chains), np.random.default_rng(seed)).state
     rate = np.mean(state.F == frames) if METHODS[method].has_frames else 1.0
     return float(rate), np.array([adjusted_rand_score(true, z) for true, z in zip(labels, state.z, strict=True)])
 
@@ -78,7 +78,7 @@ def test_one_easy_data_set_is_recovered(dimensions: tuple[int, ...]) -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_the_blocked_sampler_takes_five_channels(method: str) -> None:
     trials, labels, frames = separated(np.random.default_rng(101), 60, FIVE)
-    state = fit(trials, method, np.random.default_rng(1)).state
+    state = fit(Problem.of(trials, method), Blocked(), np.random.default_rng(1)).state
     assert [mean.shape for mean in state.mean] == [(10, dim) for dim in FIVE]
     assert np.mean([adjusted_rand_score(true, z) for true, z in zip(labels, state.z, strict=True)]) > 0.7
     if METHODS[method].has_frames:

@@ -48,9 +48,9 @@ def test_a_chain_that_hardly_moves_proves_nothing() -> None:
 
 def test_independent_draws_bring_their_own_error() -> None:
     rng = np.random.default_rng(2)
-    stat_asserts.assert_same_law(autoregressive(0.5), rng.normal(size=(3000, 1)))
+    stat_asserts.assert_same_distribution(autoregressive(0.5), rng.normal(size=(3000, 1)))
     with pytest.raises(AssertionError, match="standard errors off"):
-        stat_asserts.assert_same_law(autoregressive(0.5), rng.normal(size=(3000, 1)) + 0.3)
+        stat_asserts.assert_same_distribution(autoregressive(0.5), rng.normal(size=(3000, 1)) + 0.3)
 
 
 def test_ranks() -> None:

@@ -19,26 +19,31 @@ Raise it with a change of the machinery that changes the bytes of artifacts or o
 
 
 @cache
-def code_hash(script: Path) -> str:
+def code_hash(script: Path, *modules: str) -> str:
     """sha256 over a script and every project module that it imports, directly or not; found once per process.
 
     The modules are found by reading the import statements, so there is no list to keep. Of each the syntax tree
     counts, without comments, layout and docstrings.
+
+    Args:
+        script: the script.
+        modules: paths from the root of the project of modules that the script is told to import, and which no
+            import statement names.
     """
-    return _digest(script)
+    return _digest(script, *modules)
 
 
-def code_is_unchanged(script: Path) -> bool:
+def code_is_unchanged(script: Path, *modules: str) -> bool:
     """Whether the code of a script is still what `code_hash` found."""
     try:
-        return _digest(script) == code_hash(script)
+        return _digest(script, *modules) == code_hash(script, *modules)
     except (OSError, SyntaxError):
         return False
 
 
-def _digest(script: Path) -> str:
+def _digest(script: Path, *modules: str) -> str:
     digest = hashlib.sha256(f"format {FORMAT}\0".encode())
-    for path in sorted(imported_files(script)):
+    for path in sorted(imported_files(script, *(ROOT / module for module in modules))):
         digest.update(f"{path.relative_to(ROOT).as_posix()}\0{_syntax(path.read_bytes())}\0".encode())
     return digest.hexdigest()
 
@@ -62,9 +67,9 @@ def lock_hash() -> str:
     return hashlib.sha256((ROOT / "environment.lock").read_bytes()).hexdigest()
 
 
-def rule_code(script: Path) -> str:
-    """What a rule's parameter `code` must be: the hash of its script, and that of the lock file."""
-    return code_hash(script) + lock_hash()
+def rule_code(script: Path, *modules: str) -> str:
+    """What a rule's parameter `code` must be: the hash of its script and `modules`, and that of the lock file."""
+    return code_hash(script, *modules) + lock_hash()
 
 
 def parts_of_code(code: str) -> dict[str, str]:
@@ -72,10 +77,10 @@ def parts_of_code(code: str) -> dict[str, str]:
     return {"code_sha256": code[:64], "lock_sha256": code[64:]}
 
 
-def imported_files(script: Path) -> set[Path]:
-    """The script and all files of the project that it imports, directly or not; package markers, but no machinery."""
+def imported_files(*scripts: Path) -> set[Path]:
+    """Scripts and all files of the project that they import, directly or not; package markers, but no machinery."""
     found: set[Path] = set()
-    waiting = [script.resolve()]
+    waiting = [script.resolve() for script in scripts]
     while waiting:
         path = waiting.pop()
         if path not in found:

@@ -9,11 +9,13 @@ from typing import Any
 
 from workflow.artifacts.provenance import ROOT, code_hash
 
+SCRIPTS = ("workflow/scripts", "evaluation/figures")
+
 
 def study_hash() -> str:
-    """sha256 over every script of the workflow with all project code that it imports."""
+    """sha256 over every script of the workflow and every figure, with all project code that they import."""
     digest = hashlib.sha256()
-    for script in sorted((ROOT / "workflow" / "scripts").glob("*.py")):
+    for script in sorted(path for folder in SCRIPTS for path in (ROOT / folder).glob("*.py")):
         digest.update(f"{script.name}\0{code_hash(script)}".encode())
     return digest.hexdigest()
 

@@ -133,7 +133,7 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
         chosen = {tracked[i] for i in hooks.decide(plan)}
         if plan.for_real:
             calm.running = True
-            forks.preload({_script(job) for job in chosen})
+            forks.preload({path for job in chosen for path in (_script(job), *(ROOT / name for name in _modules(job)))})
             dag.workflow.iocache.deactivate()  # it has seen files that the decision removed, and missed restored ones
             # Its limit of jobs a second has the scheduler look at all jobs again once a second for each job that has
             # ended: after some hundreds it does little else.
@@ -154,7 +154,7 @@ def _hooked(hooks: Hooks) -> Iterator[None]:
         if not (dag.workflow.dryrun or dag.workflow.touch):
             for each in job if job.is_group() else [job]:
                 if not each.is_norun:
-                    hooks.finished(_job(dag, each), code_is_unchanged(_script(each)))
+                    hooks.finished(_job(dag, each), code_is_unchanged(_script(each), *_modules(each)))
         return result
 
     def execute(script: Any, fname: str, edit: bool = False) -> None:
@@ -215,6 +215,11 @@ def _script(job: Any) -> Path:
     return SCRIPTS / Path(job.rule.script).name
 
 
+def _modules(job: Any) -> list[str]:
+    """The modules that the script of a job imports by name, beside those that it names itself."""
+    return list(by_role(job.params).get("modules", ()))
+
+
 def _job(dag: Any, job: Any) -> Job:
     """A job of Snakemake as ours.
 
@@ -226,7 +231,7 @@ def _job(dag: Any, job: Any) -> Job:
         raise ValueError(f"rule {rule} has no script: what it does would not be part of its key")
     script = _script(job)
     parameters = by_role(job.params)
-    if parameters.get("code") != rule_code(script):
+    if parameters.get("code") != rule_code(script, *_modules(job)):
         raise ValueError(f"rule {rule}: its parameter code must be tracked({script.name!r}), the script that it runs")
     return Job(
         rule=rule,

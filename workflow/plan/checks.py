@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from workflow.plan.config_types import CHANNELS, WORDLESS
-from workflow.plan.messages import key_path
+from workflow.plan.problems import key_path
 from workflow.plan.study import TASKS, Experiment, Study, feature_files, log_folder_trials
 from workflow.plan.study_config import ExperimentConfig, StudyConfig, completed
 

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from workflow.plan.checks import contradictions, data_problems, grid_problems
 from workflow.plan.config import ConfigError, read_config
-from workflow.plan.messages import key_path, problems_of
+from workflow.plan.problems import key_path, problems_of
 from workflow.plan.study import Experiment, Study
 from workflow.plan.study_config import StudyConfig, completed
 

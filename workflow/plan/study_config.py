@@ -95,7 +95,8 @@ class Shared(StrictModel):
     samplers: dict[Name, AnySampler] = Field(
         {"published": Blocked()},
         min_length=1,
-        description="the samplers that are run, by a name of your choice: a kind and its settings",
+        description="the samplers that are run, by a name of your choice: a kind and its settings; those of an "
+        "experiment replace those at the top",
     )
 
     def given(self) -> dict[str, Any]:

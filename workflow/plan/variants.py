@@ -50,7 +50,8 @@ else:
         """The type of a hyperparameter of the config, and its field: what `model.Prior` says of it."""
         field = Prior.model_fields[HYPERPARAMETERS[key]]
         number = Annotated[(field.annotation, *field.metadata)]
-        return PerChannel[number], Field(field.default, description=field.description)
+        default = "; by default that of the experiment" if key == "K" else ""
+        return PerChannel[number], Field(field.default, description=f"{field.description}{default}")
 
     Variant = create_model(
         "Variant",

@@ -44,9 +44,12 @@ def methods():
     return sorted({*WORDLESS}.union(*(experiment.settings.methods for experiment in study.experiments.values())))
 
 
-def tracked(script):
-    """The hash of a script with all project code that it imports and of the lock file: a change reruns the rule."""
-    return rule_code(Path(workflow.basedir) / "workflow" / "scripts" / script)
+def tracked(script, *modules):
+    """The hash of a script with all project code that it imports and of the lock file: a change reruns the rule.
+
+    A script that imports by a name that its rule gives has these modules in the parameter `modules` as well.
+    """
+    return rule_code(Path(workflow.basedir) / "workflow" / "scripts" / script, *modules)
 
 
 wildcard_constraints:

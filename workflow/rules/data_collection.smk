@@ -8,6 +8,8 @@ rule calibrate:
         "joblogs/calibrate/{experiment}.log",
     wildcard_constraints:
         experiment=sources("simulation"),
+    group:
+        "data"
     params:
         seed=lambda wildcards: settings(wildcards).seed,
         simulation=lambda wildcards: simulation_of(wildcards.experiment),
@@ -37,23 +39,3 @@ for name, set_name, trials in simulated_blocks():
             code=tracked("collect.py"),
         script:
             "../scripts/collect.py"
-
-
-rule pictures:
-    input:
-        lambda wildcards: [
-            log_path(wildcards.experiment, "train", trial)
-            for trial in study.trials(wildcards.experiment, "train")[:12]
-        ],
-    output:
-        trials="figures/{experiment}_trials.png",
-        objects=["figures/{experiment}_objects.png", "figures/{experiment}_objects.pdf"],
-    log:
-        "joblogs/figures/{experiment}/pictures.log",
-    wildcard_constraints:
-        experiment=sources("simulation"),
-    params:
-        simulation=lambda wildcards: simulation_of(wildcards.experiment),
-        code=tracked("pictures.py"),
-    script:
-        "../scripts/pictures.py"

@@ -9,8 +9,10 @@ rule evaluate_learning:
         "scores/{experiment}_D{D}_csl.csv",
     log:
         "joblogs/evaluate/{experiment}/D{D}_csl.log",
+    group:
+        "results"
     params:
-        conditions=lambda wildcards: columns(tested(wildcards, "csl")),
+        conditions=lambda wildcards: names_of(tested(wildcards, "csl")),
         words=lambda wildcards: study.experiments[wildcards.experiment].words,
         code=tracked("evaluate_learning.py"),
     script:
@@ -25,6 +27,8 @@ rule diagnose:
         page="diagnostics/{experiment}_D{D}.html",
     log:
         "joblogs/diagnose/{experiment}/D{D}.log",
+    group:
+        "results"
     params:
         conditions=chains_of,
         code=tracked("diagnose.py"),
@@ -39,6 +43,8 @@ rule scores:
         "scores.csv",
     log:
         "joblogs/scores.log",
+    group:
+        "results"
     params:
         code=tracked("scores.py"),
     script:

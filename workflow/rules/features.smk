@@ -12,6 +12,8 @@ rule perceive:
         "joblogs/perceive/{experiment}/{set}_{block}.log",
     wildcard_constraints:
         experiment=sources("simulation", "logs"),
+    group:
+        "data"
     params:
         extraction=extraction,
         code=tracked("perceive.py"),
@@ -31,6 +33,8 @@ rule features:
         "joblogs/features/{experiment}/D{D}.log",
     wildcard_constraints:
         experiment=sources("simulation", "logs"),
+    group:
+        "data"
     params:
         seed=lambda wildcards: settings(wildcards).seed,
         extraction=extraction,
@@ -52,6 +56,8 @@ rule test_features:
     wildcard_constraints:
         experiment=sources("simulation", "logs"),
         set="generation|description",
+    group:
+        "data"
     params:
         code=tracked("test_features.py"),
     script:
@@ -68,6 +74,8 @@ rule own_features:
         "joblogs/own_features/{experiment}/D{D}_{set}.log",
     wildcard_constraints:
         experiment=sources("features"),
+    group:
+        "data"
     params:
         code=tracked("own_features.py"),
     script:

@@ -90,8 +90,8 @@ def priors_of(wildcards):
 # evaluation.smk
 
 
-def columns(conditions):
-    """The columns of scores.csv that name each of these fits."""
+def names_of(conditions):
+    """What names each of these fits in tables."""
     return [vars(condition) for condition in conditions]
 
 

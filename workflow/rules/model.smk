@@ -8,6 +8,8 @@ rule fit:
         FIT_PATH,
     log:
         "joblogs/fit/{experiment}/{variant}_{method}_{sampler}_D{D}_ROW{ROW}_seed{seed}.log",
+    group:
+        "fits"
     params:
         seed=lambda wildcards: settings(wildcards).seed,
         data=lambda wildcards: study.experiments[wildcards.experiment].data,

@@ -1,95 +1,163 @@
 """What the rules of presentation.smk ask of the plan: tables, figures, clips to rate, the report."""
 
 from dataclasses import replace
-from evaluation.pages.captions import caption, titled
-from evaluation.catalogue import CATEGORY_FIGURES, FIT_FIGURES, TABLE_FORMS, figure_of, files_of_tables, tables_of
+from evaluation.catalogue import FIGURES, files_of_tables, shown_figure, tables_of
 from workflow.artifacts.versions import pinned_packages, python_version, study_hash
+<<<<<<< HEAD
 from workflow.plan.overview import overview, source_in_words
+=======
+from workflow.plan.all_settings import all_settings, source_in_words
+
+# The experiments with instructions to answer.
+INSTRUCTED = [name for name in study.experiments if study.generation_condition(name)]
+>>>>>>> w-config
 
 TABLES = tables_of(
     {(name, task, D) for name in study.experiments for task in TASKS for D in study.tested_D(name, task)}
+    | {(name, "uncertain", D) for name in INSTRUCTED for D in study.tested_D(name, "generation")}
     | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings.D},
     {name: experiment.partial_variants for name, experiment in study.experiments.items()},
 )
 
 
-# The experiments with instructions to answer.
-INSTRUCTED = [name for name in study.experiments if study.generation_condition(name)]
-
-
-def instructed_fits(wildcards):
-    """The fits, one a seed, that figures of action generation show."""
-    return study.seeds(study.generation_condition(wildcards.experiment))
-
-
-def largest_D(wildcards):
-    """The largest D of an experiment, which its figure of the features shows."""
-    return max(settings(wildcards).D)
-
-
-def first_block(wildcards):
-    """The first training trials, whose images a figure shows."""
-    return study.trials(wildcards.experiment, "train")[:10]
-
-
-def described(experiment):
-    """The files of what the robot said of its actions in an experiment; none where the study has no such test."""
+def tested_files(experiment, task, path):
+    """A file of an experiment for each D that a task tests; none where the study has no such test."""
     known = experiment in study.experiments
-    return [f"descriptions/{experiment}_D{D}.csv" for D in study.tested_D(experiment, "description")] if known else []
+    return [path.format(experiment=experiment, D=D) for D in study.tested_D(experiment, task)] if known else []
 
 
-def figures_of(name):
-    """The figures of an experiment: its own features have no logs, and a robot's logs cannot be simulated further."""
-    experiment = study.experiments[name]
-    data = study.experiments[experiment.data]
-    yield from FIT_FIGURES
-    if data.source != "features":
-        yield from CATEGORY_FIGURES
-    yield from (f"confusion_{method}" for method in methods_described(name))
-    if acts(name):
-        yield from ("generation", "action")
-    if name in INSTRUCTED:
-        yield from ("instructions", "uncertain")
-    if experiment is data and experiment.source != "features":
-        yield "features"
-    if experiment is data and experiment.source == "simulation":
-        yield from ("trials", "objects")
+def uncertain_files(experiment):
+    """The answers to uncertain instructions."""
+    return tested_files(experiment, "generation", "uncertain/{experiment}_D{D}.csv")
 
 
-def methods_described(name):
-    """The methods that describe actions of an experiment."""
-    return dict.fromkeys(condition.method for condition in study.task_conditions(name, "description"))
+def answer_files(condition):
+    """What a fit answered, and the logs of what it did."""
+    folder = GENERATION_PATH.format(**vars(condition))
+    return {"answers": f"{folder}/answers.csv", "logs": f"{folder}/mcap"}
 
 
 def acts(name):
     """Whether instructions of an experiment are carried out, so that there is something to show."""
-    return simulation_of(study.experiments[name].data) is not None and study.generation_condition(name) is not None
+    return name in INSTRUCTED and simulation_of(study.experiments[name].data) is not None
 
 
-def files_of(figure):
-    """The files of one kind of figure, whose experiment is a wildcard."""
-    return [f"figures/{{experiment}}_{figure}.{form}" for form in figure_of(figure).forms]
+# Figures: of an experiment, the inputs by name and the settings that a kind of figure is drawn from; None without.
+
+
+def shown_fit(condition):
+    """The fits, one per seed, of the condition that a figure shows."""
+    return {"fits": [one.path for one in study.seeds(condition)]}, {"condition": vars(condition)}
+
+
+def fit_inputs(name):
+    files, shown = shown_fit(study.figure_condition(name))
+    return files, shown | {"words": study.experiments[name].words}
+
+
+def crop_inputs(name):
+    data, condition = study.experiments[name].data, study.figure_condition(name)
+    if study.experiments[data].source == "features":
+        return None
+    files, shown = shown_fit(condition)
+    return files | {"percepts": percept_paths(data, "train", condition.D)}, shown
+
+
+def description_inputs(name):
+    counts = tested_files(name, "description", "confusion/{experiment}_D{D}.csv")
+    return ({"counts": counts}, {"words": study.experiments[name].words}) if counts else None
+
+
+def execution_inputs(name):
+    if not acts(name):
+        return None
+    files, shown = shown_fit(study.generation_condition(name))
+    answered = [answer_files(one) for one in study.seeds(study.generation_condition(name))]
+    return files | {key: [one[key] for one in answered] for key in ("answers", "logs")}, shown
+
+
+def instruction_inputs(name):
+    if name not in INSTRUCTED:
+        return None
+    condition = study.generation_condition(name)
+    files, shown = shown_fit(condition)
+    return files | {key: [path] for key, path in table_files("generation")(condition).items()}, shown
+
+
+def uncertain_inputs(name):
+    if name not in INSTRUCTED:
+        return None
+    return {"answers": uncertain_files(name)}, {"condition": vars(study.generation_condition(name))}
+
+
+def feature_inputs(name):
+    experiment = study.experiments[name]
+    if experiment.data != name or experiment.source == "features":
+        return None
+    D, trials = max(experiment.settings.D), study.trials(name, "train")[:10]
+    tables = {key: f"train_{key}.parquet" for key in ("trials", "objects")} | {"transforms": "transforms.npz"}
+    files = {key: [f"features/{name}/D{D}/{file}"] for key, file in tables.items()}
+    files["percepts"] = percept_paths(name, "train", D)
+    files["logs"] = [log_path(name, "train", trial) for trial in trials]
+    return files, {"D": D, "trials": list(trials), "groups": len(experiment.words["object"])}
+
+
+def trial_inputs(name):
+    files, _ = simulation_inputs(name) or (None, None)
+    logs = [log_path(name, "train", trial) for trial in study.trials(name, "train")[:12]]
+    return None if files is None else ({"logs": logs}, {})
+
+
+def simulation_inputs(name):
+    simulated = study.experiments[name].data == name and simulation_of(name) is not None
+    return ({}, {"simulation": simulation_of(name)}) if simulated else None
+
+
+FIGURE_INPUTS = {
+    "fit": fit_inputs,
+    "fit and crops": crop_inputs,
+    "descriptions": description_inputs,
+    "executed answers": execution_inputs,
+    "instructions": instruction_inputs,
+    "uncertain answers": uncertain_inputs,
+    "features": feature_inputs,
+    "simulated trials": trial_inputs,
+    "simulation": simulation_inputs,
+}
+# What is drawn of the data alone runs in the Slurm jobs that make them.
+DATA_INPUTS = {"features", "simulated trials", "simulation"}
+
+
+def figures_of_study():
+    """Each figure of the study: its name in the catalogue, and the experiment and method that it shows."""
+    for experiment in study.experiments:
+        for name, figure in FIGURES.items():
+            if FIGURE_INPUTS[figure.inputs](experiment) is not None:
+                described = (condition.method for condition in study.task_conditions(experiment, "description"))
+                for method in dict.fromkeys(described) if "{method}" in name else [""]:
+                    yield name, experiment, method
+
+
+SHOWN_FIGURES = list(figures_of_study())
 
 
 def figure_files():
     """All files of all figures."""
-    for name in study.experiments:
-        for figure in figures_of(name):
-            yield from expand(files_of(figure), experiment=name)
+    for name, experiment, method in SHOWN_FIGURES:
+        for form in FIGURES[name].forms:
+            yield f"figures/{experiment}_{name}.{form}".format(method=method)
 
 
-def fits_shown(wildcards):
-    """The fits, one a seed, of the condition that an experiment's figures of a fit show."""
-    return [condition.path for condition in study.seeds(study.figure_condition(wildcards.experiment))]
+def figure_labels(figure):
+    """How Snakemake's own report lists a figure."""
+    return {"figure": figure.title, "shows": figure.caption}
 
 
 def rated(name):
     """Of each condition whose actions people may rate, all seeds: their names, and where fit, answers and logs are."""
     groups = {}
     for condition in study.task_conditions(name, "generation"):
-        one = {"names": columns([condition])[0], "fit": condition.path}
-        one["answers"] = f"{GENERATION_PATH}/answers.csv".format(**vars(condition))
-        one["logs"] = f"{GENERATION_PATH}/mcap".format(**vars(condition))
+        one = {"names": vars(condition), "fit": condition.path} | answer_files(condition)
         groups.setdefault(replace(condition, seed=0), []).append(one)
     return list(groups.values())
 
@@ -107,12 +175,6 @@ def config_name():
     return path.relative_to(root).as_posix() if path.is_relative_to(root) else path.name
 
 
-def report_tables():
-    """The tables of the report by file name, with their titles."""
-    uncertain = {f"{name}_uncertain": f"Uncertain instructions, {name}" for name in INSTRUCTED}
-    return {name: table.title for name, table in TABLES.items()} | uncertain
-
-
 def droppable():
     """Each set of which trials may be dropped, by name, and its feature table at the largest D that is used."""
     for name, experiment in study.experiments.items():
@@ -123,9 +185,3 @@ def droppable():
             for set_name, Ds in used.items():
                 if Ds:
                     yield f"{name}, {set_name}", f"features/{name}/D{max(Ds)}/{set_name}_trials.parquet"
-
-
-def figure_labels(name):
-    """How Snakemake's own report lists a figure."""
-    title, figure = titled(name, study.experiments)
-    return {"figure": title, "shows": caption(figure)}

@@ -10,8 +10,10 @@ rule describe:
         descriptions="descriptions/{experiment}_D{D}.csv",
     log:
         "joblogs/describe/{experiment}/D{D}.log",
+    group:
+        "results"
     params:
-        conditions=lambda wildcards: columns(tested(wildcards, "description")),
+        conditions=lambda wildcards: names_of(tested(wildcards, "description")),
         words=lambda wildcards: study.experiments[wildcards.experiment].words,
         code=tracked("describe.py"),
     script:
@@ -29,6 +31,8 @@ rule generate:
         logs=directory(f"{GENERATION_PATH}/mcap"),
     log:
         "joblogs/generate/{experiment}/{variant}_{method}_{sampler}_D{D}_ROW{ROW}_seed{seed}.log",
+    group:
+        "fits"
     params:
         data=lambda wildcards: study.experiments[wildcards.experiment].data,
         simulation=lambda wildcards: simulation_of(study.experiments[wildcards.experiment].data),
@@ -50,8 +54,10 @@ rule evaluate_generation:
         "scores/{experiment}_D{D}_generation.csv",
     log:
         "joblogs/evaluate/{experiment}/D{D}_generation.log",
+    group:
+        "results"
     params:
-        conditions=lambda wildcards: columns(tested(wildcards, "generation")),
+        conditions=lambda wildcards: names_of(tested(wildcards, "generation")),
         words=lambda wildcards: study.experiments[wildcards.experiment].words,
         code=tracked("evaluate_generation.py"),
     script:
@@ -66,8 +72,10 @@ rule uncertain:
         "uncertain/{experiment}_D{D}.csv",
     log:
         "joblogs/uncertain/{experiment}/D{D}.log",
+    group:
+        "results"
     params:
-        conditions=lambda wildcards: columns(tested(wildcards, "generation")),
+        conditions=lambda wildcards: names_of(tested(wildcards, "generation")),
         words=lambda wildcards: study.experiments[wildcards.experiment].words,
         code=tracked("uncertain.py"),
     script:

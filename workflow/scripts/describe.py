@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from evaluation.chance import description_chance
 from evaluation.description import describe_trials, write_descriptions
+from evaluation.measures import measured
 from evaluation.scores import score_rows, write_scores
 from features.table import read_table
 from model import load
@@ -16,7 +16,7 @@ with job(snakemake):
     rows = [
         row
         for condition, one in zip(conditions, told, strict=True)
-        for row in score_rows(condition, one.measures() | description_chance(one.channel, snakemake.params.words))
+        for row in score_rows(condition, measured("description", one, snakemake.params.words))
     ]
     write_descriptions(conditions, told, Path(snakemake.output.descriptions))
     write_scores(rows, Path(snakemake.output.scores))

@@ -3,15 +3,16 @@
 import logging
 from pathlib import Path
 
-from evaluation.learning import csl_measures
-from evaluation.scores import score_rows, write_scores
+from evaluation.learning import Learned
+from evaluation.measures import measured
+from evaluation.scores import LETTERS, score_rows, write_scores
 from features.table import read_table
 from model import load
 from workflow.execution.job import job
 
 with job(snakemake):
     table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=True)
-    for channel in ("action", "position", "object", "color"):
+    for channel in LETTERS:
         if getattr(table, f"truth_{channel}") is None:
             logging.warning(
                 "%s: no column truth_%s, so that ARI of this channel stays empty",
@@ -20,6 +21,6 @@ with job(snakemake):
             )
     rows = []
     for path, condition in zip(snakemake.input.fits, snakemake.params.conditions, strict=True):
-        measures = csl_measures(load(Path(path)), table, snakemake.params.words)
+        measures = measured("csl", Learned(load(Path(path)), table), snakemake.params.words)
         rows += score_rows({**condition, "task": "csl"}, measures)
     write_scores(rows, Path(snakemake.output[0]))

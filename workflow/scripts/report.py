@@ -8,23 +8,23 @@ import pandas as pd
 from data_collection.files import replacing
 from evaluation.pages import origins, report
 from evaluation.pages.page import page
+from evaluation.rendering import sheets
 from evaluation.scores import read_scores
 from features.table import read_metadata
 from workflow.execution.job import job
 
 with job(snakemake):
     files, params = snakemake.input, snakemake.params
-    tables, figures = [Path(path) for path in files.tables], [Path(path) for path in files.figures]
+    tables = sheets(params.tables, Path(files.scores), [Path(path) for path in files.uncertain])
     texts = [pd.read_csv(path, dtype=str, keep_default_na=False) for path in files.claims]
     chains = {Path(path).stem: pd.read_csv(path) for path in files.diagnostics}
-    shown = {path.stem for path in tables}
     made = {name: read_metadata(path) for name, path in zip(params.droppable, files.droppable, strict=True)}
     dropped = {name: json.loads(told.get("dropped", "[]")) for name, told in made.items()}
     sections = [
         report.about(params.config, params.sources, read_scores([Path(files.scores)]), dropped),
-        *([report.claims(texts[0], texts[1] if len(texts) > 1 else None, shown)] if texts else []),
+        *([report.claims(texts[0], texts[1] if len(texts) > 1 else None, tables)] if texts else []),
         report.tables(tables),
-        report.figures(figures, params.settings),
+        report.figures(params.figures, Path()),
         report.diagnostics(chains),
         origins.settings(params.config, params.settings),
         origins.versions(params.python, params.packages, params.hashes),

@@ -2,12 +2,11 @@
 
 from pathlib import Path
 
-from evaluation.scores import read_scores
-from evaluation.tables import render
+from evaluation.rendering import sheets, write
 from workflow.execution.job import job
 
 with job(snakemake):
-    scores = read_scores([Path(snakemake.input[0])])
-    folder = Path(snakemake.output[0]).parent
-    for name, table in snakemake.params.tables.items():
-        render(scores, table, folder, name)
+    files = snakemake.input
+    made = sheets(snakemake.params.tables, Path(files.scores), [Path(path) for path in files.uncertain])
+    for name, sheet in made.items():
+        write(name, sheet, Path(snakemake.output[0]).parent)

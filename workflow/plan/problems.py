@@ -141,7 +141,7 @@ def _note(schema: Schema, meaning: str = "") -> str:
     """What is allowed, in brackets, and what the key means."""
     if values := choices(schema):
         return f" (allowed: {', '.join(values)})"
-    says = schema.get("description") or meaning or (allowed(schema) if schema else "")
+    says = schema.get("description") or meaning or (f"a {allowed(schema)}" if schema else "")
     return f" ({says})" if says else ""
 
 

@@ -137,7 +137,7 @@ def _welch(cells: pd.DataFrame) -> pd.Series[float]:
 
 
 def _place(cell: pd.Series[str]) -> str:
-    return f"{cell['experiment']} {cell['variant']} {cell['inference']} {cell['task']} D {cell['D']}"
+    return f"{cell['experiment']} {cell['variant']} {cell['sampler']} {cell['task']} D {cell['D']}"
 
 
 def _line(cell: pd.Series[str]) -> str:

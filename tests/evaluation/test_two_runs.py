@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from evaluation.compare import compare
+from evaluation.two_runs import compare
 from evaluation.scores import write_csv
 from tests.evaluation.hand_made import scores_of
 from workflow.artifacts.provenance import ROOT

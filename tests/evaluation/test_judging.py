@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from evaluation.claims.comparisons import Cell, Comparison, Sum, combine, judge
+from evaluation.claims.judging import Cell, Comparison, Sum, combine, judge
 
 SPREAD = [-0.02, -0.01, 0.0, 0.01, 0.02, -0.015, 0.015, 0.005, -0.005, 0.0]
 
