@@ -91,7 +91,7 @@ def _show(path: Path, options: argparse.Namespace) -> bool:
 
 
 def _regenerate(path: Path, options: argparse.Namespace) -> bool:
-    from data_collection.comparison import differences, regenerate
+    from data_collection.log_differences import differences, regenerate
 
     log = read_log(path)
     found = differences(log, regenerate(log))

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from data_collection.comparison import differences, regenerate
+from data_collection.log_differences import differences, regenerate
 from data_collection.episode import calibrate, collect, execute
 from data_collection.joints import JOINT_NAMES
 from data_collection.log import topics

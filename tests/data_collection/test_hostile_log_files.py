@@ -18,7 +18,7 @@ import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from data_collection.comparison import differences
+from data_collection.log_differences import differences
 from data_collection.limits import MAX_LOG_BYTES
 from data_collection.log import codec, topics
 from data_collection.log.mcap_log import Log, LogError, Message, write_log

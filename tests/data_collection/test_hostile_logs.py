@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from data_collection.comparison import differences
+from data_collection.log_differences import differences
 from data_collection.log import topics
 from data_collection.log.topics import TOPICS, LogKind, Topic
 from data_collection.log.validation import kind_of, problems

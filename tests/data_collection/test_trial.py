@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from data_collection.comparison import _same
+from data_collection.log_differences import _same
 from data_collection.joints import JOINT_NAMES
 from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError, Message
