@@ -8,12 +8,7 @@ import numpy as np
 
 from data_collection import task
 from data_collection.apparatus import ObjectKind
-<<<<<<< HEAD
-from data_collection.files import replacing
 from data_collection.log import topics
-=======
-from data_collection.log import channels
->>>>>>> w-config
 from data_collection.log.mcap_log import Log
 from data_collection.log.messages import Image, JointState
 from data_collection.log.trial import observation, truth
