@@ -5,8 +5,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from data_collection.log.channels import CHANNELS
 from data_collection.log.mcap_log import Log, LogError, read_log
+from data_collection.log.topics import TOPICS
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -49,13 +49,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def topics() -> str:
-    """Return the table of channels as Markdown."""
+    """Return the table of topics as Markdown."""
     lines = ["| topic | type | value | unit | frame | required in | optional in | meaning |", "|" + " --- |" * 8]
-    for channel in CHANNELS:
+    for topic in TOPICS:
         cells = (
-            f"`{channel.topic}`", channel.value.type, channel.value.shape, channel.value.unit, channel.value.frame,
-            ", ".join(channel.required), ", ".join(channel.optional),
-            channel.meaning + ("; once" if channel.once else ""),
+            f"`{topic.name}`", topic.value.type, topic.value.shape, topic.value.unit, topic.value.frame,
+            ", ".join(topic.required), ", ".join(topic.optional),
+            topic.meaning + ("; once" if topic.once else ""),
         )  # fmt: skip
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
@@ -91,7 +91,7 @@ def _show(path: Path, options: argparse.Namespace) -> bool:
 
 
 def _regenerate(path: Path, options: argparse.Namespace) -> bool:
-    from data_collection.comparison import differences, regenerate
+    from data_collection.log_differences import differences, regenerate
 
     log = read_log(path)
     found = differences(log, regenerate(log))
@@ -120,7 +120,7 @@ def _seconds(log: Log) -> float:
 
 
 def _said(log: Log) -> str:
-    from data_collection.log.channels import SENTENCE
+    from data_collection.log.topics import SENTENCE
 
     sentences = [str(message.value) for message in log.messages if message.topic == SENTENCE]
     return f", “{sentences[-1]}”" if sentences else ""

@@ -10,7 +10,7 @@ import numpy as np
 
 from data_collection import task
 from data_collection.joints import JOINT_NAMES, TACTILE_NAMES
-from data_collection.log import channels
+from data_collection.log import topics
 from data_collection.log.mcap_log import Log, Message
 from data_collection.log.messages import Floats, Value
 from data_collection.seeding import generator
@@ -88,7 +88,7 @@ def execute(
             attended = command.nearest(placed)
             world.set_up(placed, generator(seed, "collect", *names, "light"))
             target = None if command.target is None else np.array(command.target, dtype=np.float64)
-            recording = world.act(attended, target, command.finger_rate, _gaze_offset(simulation, names, seed))
+            recording = _perform(world, names, seed, attended, target, command.finger_rate)
             said = task.utter(generator(seed, "collect", *names, "sentence"), words)
             noise = generator(seed, "collect", *names, "noise")
             told = {**provenance, "command": json.dumps(asdict(command), sort_keys=True)}
@@ -110,11 +110,11 @@ def calibrate(simulation: Simulation, *, experiment: str, seed: int, provenance:
         [measured, np.full(len(marks), simulation.table.height), np.zeros((len(marks), 3)), np.ones(len(marks))]
     )
     values: list[tuple[str, Value]] = [
-        (channels.CAMERA, believed(generator(seed, "camera", experiment), camera)),
-        (channels.CALIBRATION_EMPTY, empty),
-        (channels.CALIBRATION_MARKS, dotted),
-        (channels.CALIBRATION_POSITIONS, poses),
-        (channels.CALIBRATION_PATTERN, json.dumps({"rows": MARK_ROWS, "columns": MARK_COLUMNS}, sort_keys=True)),
+        (topics.CAMERA, believed(generator(seed, "camera", experiment), camera)),
+        (topics.CALIBRATION_EMPTY, empty),
+        (topics.CALIBRATION_MARKS, dotted),
+        (topics.CALIBRATION_POSITIONS, poses),
+        (topics.CALIBRATION_PATTERN, json.dumps({"rows": MARK_ROWS, "columns": MARK_COLUMNS}, sort_keys=True)),
     ]
     metadata = _metadata(simulation, (experiment, "calibration", 0), seed, provenance)
     return Log(metadata, tuple(Message(topic, 0, value) for topic, value in values))
@@ -135,16 +135,21 @@ def _act(world: World, names: tuple[str, str, int], seed: int, provenance: Mappi
     if plan.moves:
         target = world.best_grasp(plan.attended) + np.array(plan.offset)
         target[2] = max(target[2], world.lowest_grasp)
-    recording = world.act(plan.attended, target, plan.finger_rate, _gaze_offset(simulation, names, seed))
-    action = task.judge(recording.outcome, simulation.tutor)
+    recording = _perform(world, names, seed, plan.attended, target, plan.finger_rate)
+    action = task.judge(recording.outcome, simulation).action
     words = task.channel_words(simulation, action, placed[plan.attended])
     said = task.utter(generator(seed, "collect", *names, "sentence"), words)
     noise = generator(seed, "collect", *names, "noise")
     return _log(world, names, seed, provenance, placed, plan.attended, recording, said, noise)
 
 
-def _gaze_offset(simulation: Simulation, names: tuple[str, str, int], seed: int) -> Floats:
-    return simulation.noise.gaze * generator(seed, "collect", *names, "gaze").normal(size=2)
+def _perform(
+    world: World, names: tuple[str, str, int], seed: int, attended: int, target: Floats | None, rate: float
+) -> Recording:
+    """Act; the hand is lifted only from an object that it touches."""
+    tutor = world.simulation.tutor
+    offset = world.simulation.noise.gaze * generator(seed, "collect", *names, "gaze").normal(size=2)
+    return world.act(attended, target, rate, offset, lifts=lambda force: task.touches(force, tutor))
 
 
 def _instruct(world: World, names: tuple[str, str, int], seed: int, provenance: Mapping[str, str]) -> Log:
@@ -189,18 +194,18 @@ def _log(
     simulation = world.simulation
     truth: dict[str, Any] = {"objects": task.describe(placed), "attended": attended}
     if instructed is None:
-        action = task.judge(recording.outcome, simulation.tutor)
-        truth_outcome = recording.outcome.__dict__ | {"action": action, "word": simulation.actions[action]}
+        judged = task.judge(recording.outcome, simulation)
+        truth_outcome = vars(recording.outcome) | vars(judged) | {"word": simulation.actions[judged.action]}
     else:
         truth_outcome = {"action": instructed, "word": simulation.actions[instructed]}
     start, end = recording.start, recording.end
     messages = [
-        Message(channels.CAMERA, start, believed(generator(seed, "camera", names[0]), simulation.camera)),
-        Message(channels.ROBOT_DESCRIPTION, start, world.description),
-        Message(channels.TRUTH_SCENE, start, json.dumps(truth, sort_keys=True)),
+        Message(topics.CAMERA, start, believed(generator(seed, "camera", names[0]), simulation.camera)),
+        Message(topics.ROBOT_DESCRIPTION, start, world.description),
+        Message(topics.TRUTH_SCENE, start, json.dumps(truth, sort_keys=True)),
         *recording.messages(noise, simulation),
-        Message(channels.SENTENCE, end, " ".join(said)),
-        Message(channels.TRUTH_OUTCOME, end, json.dumps(truth_outcome, sort_keys=True)),
+        Message(topics.SENTENCE, end, " ".join(said)),
+        Message(topics.TRUTH_OUTCOME, end, json.dumps(truth_outcome, sort_keys=True)),
     ]
     messages.sort(key=lambda message: message.time)
     return Log(_metadata(simulation, names, seed, provenance), tuple(messages))

@@ -8,7 +8,7 @@ import numpy as np
 
 from data_collection import task
 from data_collection.apparatus import ObjectKind
-from data_collection.log import channels
+from data_collection.log import topics
 from data_collection.log.mcap_log import Log
 from data_collection.log.messages import Image, JointState
 from data_collection.log.trial import observation, truth
@@ -61,8 +61,8 @@ def animation(log: Log, *, width: int = 480, height: int = 360, every: int = 1) 
     observation(log)
     settings = log.metadata.get("settings")
     simulation = Simulation.model_validate(json.loads(settings)) if settings else Simulation()
-    states = [(message.time, message.value) for message in log.messages if message.topic == channels.JOINT_STATES]
-    poses = {message.time: message.value for message in log.messages if message.topic == channels.TRUTH_POSES}
+    states = [(message.time, message.value) for message in log.messages if message.topic == topics.JOINT_STATES]
+    poses = {message.time: message.value for message in log.messages if message.topic == topics.TRUTH_POSES}
     ahead = (_TOWARDS - _EYE) / np.linalg.norm(_TOWARDS - _EYE)
     view = scene.View(_EYE, ahead, np.array([0.0, 0.0, 1.0]), width, height, 46.0)
     frames = []
@@ -79,7 +79,7 @@ def animation(log: Log, *, width: int = 480, height: int = 360, every: int = 1) 
 
 def brief(log: Log, pictures: int = 9) -> list[Image]:
     """Return about so many pictures of an animation, evenly spaced, the last one included."""
-    states = sum(message.topic == channels.JOINT_STATES for message in log.messages)
+    states = sum(message.topic == topics.JOINT_STATES for message in log.messages)
     return animation(log, width=400, height=300, every=max(1, math.ceil((states - 1) / (pictures - 1))))
 
 
@@ -115,7 +115,7 @@ def gallery(simulation: Simulation, *, width: int = 900, height: int = 420) -> I
 
 
 def _placed(log: Log) -> list[task.Placed]:
-    text = next((str(message.value) for message in log.messages if message.topic == channels.TRUTH_SCENE), None)
+    text = next((str(message.value) for message in log.messages if message.topic == topics.TRUTH_SCENE), None)
     if text is None or "settings" not in log.metadata:
         return []
     return [

@@ -82,25 +82,21 @@ class Command:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What physically happened, for the tutor and the logs; no feature is made of it.
+    """What was measured of an action, for the tutor and the logs; no feature is made of it.
 
     Attributes:
         displacement: Of the hand from its rest position at the end of the action, metres.
-        contact: Whether the hand touched the attended object at the end of the action.
-        force: Sum of the contact forces then, newtons.
+        force: Sum of the forces between the hand and the attended object at the end of the action, newtons.
         finger_rate: Commanded bend of the fingers, 0..1.
-        held: Whether the object stayed in the hand in the lift test.
-        rise: Height that the object gained in the lift test, metres.
+        rise: Height that the object gained in the lift test, metres; 0 where the hand was not lifted.
         hand_error: Distance of the hand from its commanded target, metres; None when it was not sent anywhere.
         toppled: Indices of objects, other than the attended one, that action or lift moved by over 2 cm or tilted by
             over 30°.
     """
 
     displacement: float
-    contact: bool
     force: float
     finger_rate: float
-    held: bool
     rise: float
     hand_error: float | None
     toppled: tuple[int, ...]
@@ -173,13 +169,38 @@ def draw_plan(rng: np.random.Generator, simulation: Simulation, objects: int) ->
     return Plan(attended, moves, offset if moves else (0.0, 0.0, 0.0), rate if moves else 0.0)
 
 
-def judge(outcome: Outcome, tutor: Tutor) -> str:
-    """Return which of the four actions the tutor sees (section 4.2.1 of the paper)."""
+@dataclass(frozen=True)
+class Judgement:
+    """What the tutor makes of an outcome.
+
+    Attributes:
+        contact: Whether the hand touched the attended object at the end of the action.
+        held: Whether the object stayed in the hand in the lift test.
+        action: Which of the four actions it was.
+    """
+
+    contact: bool
+    held: bool
+    action: str
+
+
+def touches(force: float, tutor: Tutor) -> bool:
+    """Return whether a force between hand and object, newtons, is a touch to the tutor."""
+    return force >= tutor.contact
+
+
+def judge(outcome: Outcome, simulation: Simulation) -> Judgement:
+    """Return what the tutor sees (section 4.2.1 of the paper)."""
+    tutor = simulation.tutor
+    contact = touches(outcome.force, tutor)
+    held = outcome.rise >= tutor.held * simulation.motion.lift_height
     if outcome.displacement < tutor.moved:
-        return "look-at"
-    if outcome.held and outcome.finger_rate >= tutor.bend:
-        return "grasp"
-    return "touch" if outcome.contact else "reach"
+        action = "look-at"
+    elif held and outcome.finger_rate >= tutor.bend:
+        action = "grasp"
+    else:
+        action = "touch" if contact else "reach"
+    return Judgement(contact, held, action)
 
 
 def channel_words(simulation: Simulation, action: str, placed: Placed) -> dict[str, str]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from data_collection.files import replacing
-from features.limits import MAX_ARRAYS_BYTES
+from features.size_limits import MAX_ARRAYS_BYTES
 
 
 class ArtifactError(ValueError):

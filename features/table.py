@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from data_collection.files import replacing
 from features.table_check import problems_of_tables
-from features.table_columns import OBJECTS, TRIALS, conform, load, numbers
+from features.table_columns import FILES, conform, load, numbers
 
 Texts = tuple[str | None, ...]
 
@@ -85,8 +85,8 @@ class FeatureTable:
 
 
 def check_table(
-    trials_path: Path | str,
-    objects_path: Path | str,
+    trials: Path | str,
+    objects: Path | str,
     *,
     words: Mapping[str, Sequence[str]] | None = None,
     need_attention: bool,
@@ -94,24 +94,65 @@ def check_table(
     """List every breach of the contract in two files: file, column, row, what is expected.
 
     Args:
-        trials_path: Parquet file of the trials.
-        objects_path: Parquet file of the objects.
+        trials: Parquet file of the trials.
+        objects: Parquet file of the objects.
         words: the experiment's words of each channel; with it, any other word is a breach.
         need_attention: whether every trial's `attended_object` must be known (training needs it).
 
     """
-    return _load_checked(trials_path, objects_path, words, need_attention)[2]
+    try:
+        import_table(trials, objects, words=words, need_attention=need_attention)
+    except TableError as error:
+        return list(error.problems)
+    return []
 
 
-def read_table(trials_path: Path | str, objects_path: Path | str, *, need_attention: bool) -> FeatureTable:
-    """Read a feature table; rows may stand in any order.
+def import_table(
+    trials: Path | str,
+    objects: Path | str,
+    *,
+    words: Mapping[str, Sequence[str]] | None = None,
+    need_attention: bool,
+) -> FeatureTable:
+    """Read a feature table that somebody else wrote, in processes of bounded memory; see `check_table`.
 
     Raises:
         TableError: the files break the contract; the message lists all problems.
-
     """
-    trials, objects, problems = _load_checked(trials_path, objects_path, None, need_attention)
-    if problems:
+    from features.foreign_tables import load_apart
+
+    paths = Path(trials), Path(objects)
+    read = load_apart(dict(zip(FILES, paths, strict=True)))
+    return _sound_table(paths, tuple(read[key] for key in FILES), words, need_attention)
+
+
+def read_table(trials: Path | str, objects: Path | str, *, need_attention: bool) -> FeatureTable:
+    """Read a feature table that `write_table` wrote; rows may stand in any order.
+
+    Raises:
+        TableError: the files break the contract; the message lists all problems.
+    """
+    paths = Path(trials), Path(objects)
+    read = tuple(load(path, columns) for path, columns in zip(paths, FILES.values(), strict=True))
+    return _sound_table(paths, read, None, need_attention)
+
+
+def _sound_table(
+    paths: tuple[Path, Path],
+    read: Sequence[tuple[Any, list[str]]],
+    words: Mapping[str, Sequence[str]] | None,
+    need_attention: bool,
+) -> FeatureTable:
+    """The table of two files, given as Arrow tables with the problems of reading them.
+
+    Raises:
+        TableError: there are such problems, or the values break the contract.
+    """
+    (trials, trials_problems), (objects, objects_problems) = read
+    problems = problems_of_tables(
+        (str(paths[0]), str(paths[1])), trials, objects, need_attention=need_attention, words=words
+    )
+    if problems := [*trials_problems, *objects_problems, *problems]:
         raise TableError(problems)
     trials = trials.sort_by("trial")
     objects = objects.sort_by([("trial", "ascending"), ("object", "ascending")])
@@ -140,26 +181,26 @@ def read_metadata(path: Path | str) -> dict[str, str]:
 
 def write_table(
     table: FeatureTable,
-    trials_path: Path | str,
-    objects_path: Path | str,
+    trials: Path | str,
+    objects: Path | str,
     metadata: Mapping[str, str] | None = None,
 ) -> None:
     """Write both files; the same table and metadata give the same bytes.
 
     Args:
         table: what to write; columns of truth that are None are left out.
-        trials_path: where the trials go.
-        objects_path: where the objects go.
+        trials: where the trials go.
+        objects: where the objects go.
         metadata: key-value metadata of both files.
 
     Raises:
         TableError: the table itself breaks the contract; no file is written.
 
     """
-    paths = (Path(trials_path), Path(objects_path))
+    paths = (Path(trials), Path(objects))
     parts = _arrow(table)
     problems = []
-    for path, part, columns in zip(paths, parts, (TRIALS, OBJECTS), strict=True):
+    for path, part, columns in zip(paths, parts, FILES.values(), strict=True):
         problems += conform(str(path), part, columns)[1]
     problems += problems_of_tables((str(paths[0]), str(paths[1])), *parts, need_attention=False)
     if problems:
@@ -186,21 +227,6 @@ def head(table: FeatureTable, D: int) -> FeatureTable:
 
     by_trial = ("trial", "attended_object", "words", "action", "truth_action")
     return FeatureTable(**{name: first(values, D if name in by_trial else N) for name, values in vars(table).items()})
-
-
-def _load_checked(
-    trials_path: Path | str,
-    objects_path: Path | str,
-    words: Mapping[str, Sequence[str]] | None,
-    need_attention: bool,
-) -> tuple[Any, Any, list[str]]:
-    """Both files as Arrow tables of the contract's types, and all their problems."""
-    trials, trials_problems = load(Path(trials_path), TRIALS)
-    objects, objects_problems = load(Path(objects_path), OBJECTS)
-    problems = problems_of_tables(
-        (str(trials_path), str(objects_path)), trials, objects, need_attention=need_attention, words=words
-    )
-    return trials, objects, trials_problems + objects_problems + problems
 
 
 def _integers(column: Any) -> NDArray[np.int64]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from data_collection.limits import WORD_RULE, is_word
-from features.limits import MAX_NUMBER, MAX_VECTOR_LENGTH
+from features.size_limits import MAX_NUMBER, MAX_VECTOR_LENGTH
 from features.table_columns import EXPECTED, OBJECTS, TRIALS, Column, nulls, numbers
 
 MAX_ROWS_NAMED = 20

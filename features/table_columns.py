@@ -17,8 +17,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from features.limits import MAX_TABLE_BYTES, MAX_TABLE_ROWS, MAX_TABLE_VALUES, MAX_TEXT_BYTES
-from features.parquet_sizes import sizes
+from features.size_limits import MAX_TABLE_BYTES, MAX_TABLE_ROWS, MAX_TABLE_VALUES, MAX_TEXT_BYTES
 
 Kind = Literal["integer", "text", "words", "vector"]
 
@@ -71,6 +70,9 @@ OBJECTS = (
     Column("truth_object", "text", required=False, nullable=True, channel="object"),
     Column("truth_color", "text", required=False, nullable=True, channel="color"),
 )
+FILES = {"trials": TRIALS, "objects": OBJECTS}
+"""The columns of each of a table's two files."""
+DAMAGED = "not a Parquet file, truncated or damaged"
 
 
 def load(path: Path, columns: Sequence[Column]) -> tuple[Any, list[str]]:
@@ -84,7 +86,7 @@ def load(path: Path, columns: Sequence[Column]) -> tuple[Any, list[str]]:
         return None, [f"{path}: {path.stat().st_size:,} bytes; at most {MAX_TABLE_BYTES:,} are read"]
     try:
         with pq.ParquetFile(path) as file:
-            if problems := _too_big(path, file.schema):
+            if problems := _too_big(path, file.metadata):
                 return None, problems
             # Only columns that the contract knows are read, and texts as dictionaries: a short list of long texts
             # could else become gigabytes.
@@ -93,30 +95,38 @@ def load(path: Path, columns: Sequence[Column]) -> tuple[Any, list[str]]:
             texts = [leaf.path for leaf in map(file.schema.column, range(len(file.schema))) if _is_text(leaf)]
         with pq.ParquetFile(path, read_dictionary=texts, page_checksum_verification=True) as file:
             # One by one: Arrow does not join the dictionaries of lists of texts.
-            groups = [file.read_row_group(i, names) for i in range(file.num_row_groups)]
+            groups = [file.read_row_group(i, names, use_threads=False) for i in range(file.num_row_groups)]
             table = pa.concat_tables(groups) if groups else pa.Table.from_batches([], file.schema_arrow)
             table = table.select(names)
             table.validate(full=True)
+            if names and table.num_rows != file.metadata.num_rows:
+                raise ValueError(f"{table.num_rows:,} rows, but the footer says {file.metadata.num_rows:,}")
             if long := [name for name in names if _longest_text(table.column(name)) > MAX_TEXT_BYTES]:
                 return None, [f"{path}: column {long[0]!r} has a text of more than {MAX_TEXT_BYTES} bytes"]
             kept, more = conform(str(path), table, usable)
-    except (pa.ArrowException, OSError, ValueError, MemoryError) as error:
+    except MemoryError:
+        return None, [f"{path}: takes more memory than a table may"]
+    except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        return None, [f"{path}: not a Parquet file, truncated or damaged: {reason}"]
+        return None, [f"{path}: {DAMAGED}: {reason}"]
     return kept, problems + more
 
 
-def _too_big(path: Path, schema: Any) -> list[str]:
-    """Refuse by what the file says of itself what would exhaust the memory when it is unpacked."""
-    found = sizes(path)
-    is_text = [_is_text(schema.column(i)) for i in range(len(schema))]
-    counts = list(zip(found.values, is_text, strict=True)) if found.values else []
-    texts = max((count for count, text in counts if text), default=0)
-    numbers = max((count for count, text in counts if not text), default=0)
-    if found.unpacked > MAX_TABLE_BYTES or numbers > MAX_TABLE_VALUES or max(found.rows, texts) > MAX_TABLE_ROWS:
+def _too_big(path: Path, metadata: Any) -> list[str]:
+    """Refuse a file by what its footer says that it holds."""
+    groups = [metadata.row_group(i) for i in range(metadata.num_row_groups)]
+    chunks = [[group.column(j) for group in groups] for j in range(metadata.num_columns)]
+    unpacked = sum(chunk.total_uncompressed_size for column in chunks for chunk in column)
+    counts = [
+        (_is_text(metadata.schema.column(j)), sum(chunk.num_values for chunk in column))
+        for j, column in enumerate(chunks)
+    ]
+    texts = max((count for text, count in counts if text), default=0)
+    values = max((count for text, count in counts if not text), default=0)
+    if unpacked > MAX_TABLE_BYTES or values > MAX_TABLE_VALUES or max(metadata.num_rows, texts) > MAX_TABLE_ROWS:
         return [
-            f"{path}: holds {found.rows:,} rows, up to {numbers:,} numbers and {texts:,} texts in one column and "
-            f"{found.unpacked:,} bytes; at most {MAX_TABLE_ROWS:,} rows and texts, {MAX_TABLE_VALUES:,} numbers and "
+            f"{path}: holds {metadata.num_rows:,} rows, up to {values:,} numbers and {texts:,} texts in one column "
+            f"and {unpacked:,} bytes; at most {MAX_TABLE_ROWS:,} rows and texts, {MAX_TABLE_VALUES:,} numbers and "
             f"{MAX_TABLE_BYTES:,} bytes are read"
         ]
     return []

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from data_collection.log import channels, codec
+from data_collection.log import codec, topics
 from data_collection.log.mcap_log import Log, LogError, read_log
 from data_collection.log.messages import Floats, Image, JointState
 from data_collection.log.trial import observation
 from data_collection.log.validation import kind_of
 
-_IMAGES = (channels.IMAGE_BEFORE, channels.IMAGE_GAZE, channels.IMAGE_AFTER)
+_IMAGES = (topics.IMAGE_BEFORE, topics.IMAGE_GAZE, topics.IMAGE_AFTER)
 _TIME = attrgetter("time")
 
 
@@ -61,13 +61,13 @@ def _episode(log: Log) -> Episode:
         fresh = False
         for message in messages:
             latest[message.topic] = message.value
-            fresh |= message.topic == channels.JOINT_STATES
+            fresh |= message.topic == topics.JOINT_STATES
             if message.topic in _IMAGES:
                 pictures.append(np.asarray(message.value, dtype=np.uint8))
-        if fresh and pictures and {channels.TACTILE, channels.HAND_POSE} <= set(latest):
-            joints: JointState = latest[channels.JOINT_STATES]
-            hand: Floats = latest[channels.HAND_POSE][:3]
-            frames.append((time, joints.position, latest[channels.TACTILE], hand, len(pictures) - 1))
+        if fresh and pictures and {topics.TACTILE, topics.HAND_POSE} <= set(latest):
+            joints: JointState = latest[topics.JOINT_STATES]
+            hand: Floats = latest[topics.HAND_POSE][:3]
+            frames.append((time, joints.position, latest[topics.TACTILE], hand, len(pictures) - 1))
     if not frames:
         raise LogError(f"{log.source}: no joint state after the first image with touch and hand pose")
     states = np.array([frame[1] for frame in frames])

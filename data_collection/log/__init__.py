@@ -1,1 +1,1 @@
-"""Logs: the table of channels, MCAP files, their checks, and what a trial holds."""
+"""Logs: the table of topics, MCAP files, their checks, and what a trial holds."""

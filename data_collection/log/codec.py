@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from data_collection.limits import MAX_PIXELS
-from data_collection.log import channels
+from data_collection.log import topics
 from data_collection.log.messages import CameraInfo, Floats, Image, JointState, Transform, Value
 
 NANOSECONDS = 1_000_000_000
@@ -61,7 +61,7 @@ def decode_image(data: bytes) -> Image:
 
 
 def encode(type_name: str, value: Value, time: int, frame: str) -> bytes:
-    """Return ``value`` as a CDR message of a type in ``CHANNELS``.
+    """Return ``value`` as a CDR message of a type in ``TOPICS``.
 
     Args:
         type_name: ROS 2 type.
@@ -98,20 +98,20 @@ def encode(type_name: str, value: Value, time: int, frame: str) -> bytes:
 
     kind = types[type_name]
     message: Any
-    if type_name == channels.TEXT:
+    if type_name == topics.TEXT:
         message = kind(data=str(value))
-    elif type_name == channels.NUMBER:
+    elif type_name == topics.NUMBER:
         message = kind(data=float(value))  # type: ignore[arg-type]
-    elif type_name == channels.NUMBERS:
+    elif type_name == topics.NUMBERS:
         layout = types["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
         message = kind(layout=layout, data=np.asarray(value, dtype=np.float64))
-    elif type_name == channels.POINT:
+    elif type_name == topics.POINT:
         message = kind(header=header(), point=point(np.asarray(value)))
-    elif type_name == channels.POSE:
+    elif type_name == topics.POSE:
         message = kind(header=header(), pose=pose(np.asarray(value)))
-    elif type_name == channels.POSES:
+    elif type_name == topics.POSES:
         message = kind(header=header(), poses=[pose(row) for row in np.asarray(value).reshape(-1, 7)])
-    elif type_name == channels.IMAGE:
+    elif type_name == topics.IMAGE:
         data = np.frombuffer(encode_png(np.asarray(value, dtype=np.uint8)), dtype=np.uint8)
         message = kind(header=header(), format="png", data=data)
     elif isinstance(value, JointState):
@@ -129,7 +129,7 @@ def encode(type_name: str, value: Value, time: int, frame: str) -> bytes:
             distortion_model="plumb_bob", d=value.D, k=value.K.ravel(), r=np.eye(3).ravel(), p=projection.ravel(),
             binning_x=0, binning_y=0, roi=region,
         )  # fmt: skip
-    elif type_name == channels.TRANSFORMS and isinstance(value, tuple):
+    elif type_name == topics.TRANSFORMS and isinstance(value, tuple):
         message = kind(transforms=[transform(item) for item in value])
     else:
         raise TypeError(f"a {type(value).__name__} is no {type_name}")
@@ -143,32 +143,32 @@ def decode(type_name: str, data: bytes) -> Value:
         ValueError: An image cannot be decoded; damaged CDR raises errors of other types too.
     """
     message = _store().deserialize_cdr(data, type_name)
-    if type_name == channels.TEXT:
+    if type_name == topics.TEXT:
         return str(message.data)
-    if type_name == channels.NUMBER:
+    if type_name == topics.NUMBER:
         return float(message.data)
-    if type_name == channels.NUMBERS:
+    if type_name == topics.NUMBERS:
         return np.array(message.data, dtype=np.float64)
-    if type_name == channels.POINT:
+    if type_name == topics.POINT:
         return np.array([message.point.x, message.point.y, message.point.z])
-    if type_name == channels.POSE:
+    if type_name == topics.POSE:
         return _pose(message.pose.position, message.pose.orientation)
-    if type_name == channels.POSES:
+    if type_name == topics.POSES:
         rows = [_pose(item.position, item.orientation) for item in message.poses]
         return np.array(rows, dtype=np.float64).reshape(-1, 7)
-    if type_name == channels.IMAGE:
+    if type_name == topics.IMAGE:
         return decode_image(message.data.tobytes())
-    if type_name == channels.JOINT_STATE:
+    if type_name == topics.JOINT_STATE:
         return JointState(
             tuple(message.name),
             np.array(message.position, dtype=np.float64),
             np.array(message.velocity, dtype=np.float64),
         )
-    if type_name == channels.CAMERA_INFO:
+    if type_name == topics.CAMERA_INFO:
         matrix = np.array(message.k, dtype=np.float64).reshape(3, 3)
         distortion = np.array(message.d, dtype=np.float64)
         return CameraInfo(int(message.width), int(message.height), matrix, distortion, str(message.header.frame_id))
-    if type_name == channels.TRANSFORMS:
+    if type_name == topics.TRANSFORMS:
         return tuple(
             Transform(
                 str(item.header.frame_id),

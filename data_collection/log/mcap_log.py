@@ -14,9 +14,9 @@ from mcap.writer import Writer
 from data_collection.files import replacing
 from data_collection.limits import MAX_IMAGE_BYTES, MAX_LOG_BYTES, MAX_MESSAGE_BYTES, MAX_MESSAGES
 from data_collection.log import codec
-from data_collection.log.channels import BY_TOPIC, IMAGE
 from data_collection.log.mcap_records import DamageError, records
 from data_collection.log.messages import Value
+from data_collection.log.topics import BY_TOPIC, IMAGE
 
 METADATA_NAME = "cross_situational_learning"
 _LIBRARY = "cross-situational-learning"
@@ -31,7 +31,7 @@ class Message:
     """One message.
 
     Attributes:
-        topic: Topic in ``CHANNELS``.
+        topic: Topic in ``TOPICS``.
         time: Log time, nanoseconds.
         value: Decoded value: number, array, text, ``JointState``, ``CameraInfo``, transforms.
     """
@@ -60,26 +60,26 @@ def write_log(path: Path, log: Log) -> None:
     """Write ``log``; the same log gives the same bytes, and the file appears only when it is complete.
 
     Raises:
-        LogError: A message is on a topic that ``CHANNELS`` has not, or out of time order.
+        LogError: A message is on a topic that ``TOPICS`` has not, or out of time order.
     """
     times = [message.time for message in log.messages]
     if times != sorted(times):
         raise LogError(f"{path}: messages are not in time order")
     unknown = {message.topic for message in log.messages} - set(BY_TOPIC)
     if unknown:
-        raise LogError(f"{path}: topics that are not in the table of channels: {sorted(unknown)}")
+        raise LogError(f"{path}: topics that are not in the table of topics: {sorted(unknown)}")
     with replacing(path) as (temporary,), temporary.open("wb") as stream:
         _write(stream, log)
 
 
 def read_log(path: Path) -> Log:
-    """Read a log with every checksum checked; topics that are not in ``CHANNELS`` are passed over.
+    """Read a log with every checksum checked; topics that are not in ``TOPICS`` are passed over.
 
     Messages come in order of time, whatever their order in the file.
 
     Raises:
         LogError: The file is missing, truncated, damaged, too large or no MCAP, or a topic is not of its type in
-            ``CHANNELS``, or comes again where it may come once.
+            ``TOPICS``, or comes again where it may come once.
     """
     try:
         if not path.is_file():
@@ -152,18 +152,18 @@ def _read(content: bytes, source: str) -> Log:
 
 
 def _unfit(data: bytes, record: ChannelRecord, schema: Schema | None, counts: Counter[str]) -> str | None:
-    """Return why a message on a topic of ``CHANNELS`` is not even decoded, or None."""
-    channel = BY_TOPIC[record.topic]
-    if schema is None or schema.name != channel.value.type:
-        return f"is of type {schema.name if schema else 'unknown'}, {channel.value.type} is expected"
+    """Return why a message on a topic of ``TOPICS`` is not even decoded, or None."""
+    topic = BY_TOPIC[record.topic]
+    if schema is None or schema.name != topic.value.type:
+        return f"is of type {schema.name if schema else 'unknown'}, {topic.value.type} is expected"
     if (record.message_encoding, schema.encoding) != ("cdr", "ros2msg"):
         return (
             f"is encoded as {record.message_encoding!r} with schema {schema.encoding!r}, cdr and ros2msg are expected"
         )
-    limit = MAX_IMAGE_BYTES if channel.value.type == IMAGE else MAX_MESSAGE_BYTES
+    limit = MAX_IMAGE_BYTES if topic.value.type == IMAGE else MAX_MESSAGE_BYTES
     if len(data) > limit:
         return f"has {len(data):,} bytes, at most {limit:,} are read"
-    if channel.once and counts[channel.topic] > 1:
+    if topic.once and counts[topic.name] > 1:
         return "comes again, once is expected"
     if counts.total() > MAX_MESSAGES:
         return f"is one of more than {MAX_MESSAGES:,} messages, the most that are read"

@@ -9,10 +9,10 @@ from typing import Any, TypeVar
 import numpy as np
 
 from data_collection.limits import WORD_RULE, is_word
-from data_collection.log import channels
-from data_collection.log.channels import LogKind
+from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError
 from data_collection.log.messages import CameraInfo, Floats, Image, JointState, Value
+from data_collection.log.topics import LogKind
 from data_collection.log.validation import kind_of, problems
 
 T = TypeVar("T")
@@ -114,25 +114,24 @@ def observation(log: Log) -> Observation:
     if kind == "calibration":
         raise LogError(f"{log.source}: this is a calibration log, not one of a trial")
     joints, lower, upper = (
-        _typed(last, topic, JointState)
-        for topic in (channels.JOINT_STATES, channels.JOINT_LOWER, channels.JOINT_UPPER)
+        _typed(last, topic, JointState) for topic in (topics.JOINT_STATES, topics.JOINT_LOWER, topics.JOINT_UPPER)
     )
-    gaze = last.get(channels.GAZE_TARGET)
+    gaze = last.get(topics.GAZE_TARGET)
     return Observation(
         trial=int(log.metadata["trial"]),
-        image_before=_typed(last, channels.IMAGE_BEFORE, np.ndarray),
-        image_gaze=last.get(channels.IMAGE_GAZE),  # type: ignore[arg-type]
-        image_after=last.get(channels.IMAGE_AFTER),  # type: ignore[arg-type]
-        camera=_typed(last, channels.CAMERA, CameraInfo),
+        image_before=_typed(last, topics.IMAGE_BEFORE, np.ndarray),
+        image_gaze=last.get(topics.IMAGE_GAZE),  # type: ignore[arg-type]
+        image_after=last.get(topics.IMAGE_AFTER),  # type: ignore[arg-type]
+        camera=_typed(last, topics.CAMERA, CameraInfo),
         joint_names=joints.names,
         joint_positions=joints.position,
         joint_lower=lower.position,
         joint_upper=upper.position,
-        tactile=_typed(last, channels.TACTILE, np.ndarray),
-        hand_position=_typed(last, channels.HAND_POSE, np.ndarray)[:3],
-        finger_rate=float(last.get(channels.FINGER_RATE, 0.0)),  # type: ignore[arg-type]
+        tactile=_typed(last, topics.TACTILE, np.ndarray),
+        hand_position=_typed(last, topics.HAND_POSE, np.ndarray)[:3],
+        finger_rate=float(last.get(topics.FINGER_RATE, 0.0)),  # type: ignore[arg-type]
         gaze_target=None if gaze is None else np.asarray(gaze, dtype=np.float64)[:2],
-        words=tuple(_typed(last, channels.SENTENCE, str).split()),
+        words=tuple(_typed(last, topics.SENTENCE, str).split()),
     )
 
 
@@ -140,14 +139,14 @@ def truth(log: Log) -> Truth | None:
     """Return the truth of a log, or None when it has no truth topics.
 
     Raises:
-        LogError: The log is invalid, or has only some of the truth.
+        LogError: The truth is not as documented, or only some of it is there. Other topics are not looked at.
     """
-    last = _last(log, kind_of(log))
-    scene, outcome = last.get(channels.TRUTH_SCENE), last.get(channels.TRUTH_OUTCOME)
+    last = {message.topic: message.value for message in log.messages}
+    scene, outcome = last.get(topics.TRUTH_SCENE), last.get(topics.TRUTH_OUTCOME)
     if scene is None and outcome is None:
         return None
     if not isinstance(scene, str) or not isinstance(outcome, str):
-        missing = channels.TRUTH_OUTCOME if outcome is None else channels.TRUTH_SCENE
+        missing = topics.TRUTH_OUTCOME if outcome is None else topics.TRUTH_SCENE
         raise LogError(f"{log.source}: {missing} is missing while other truth is there")
     try:
         known, happened = json.loads(scene), json.loads(outcome)
@@ -165,12 +164,12 @@ def truth(log: Log) -> Truth | None:
             raise ValueError("a position is not finite")
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise LogError(
-            f"{log.source}: {channels.TRUTH_SCENE} or {channels.TRUTH_OUTCOME} is not as documented "
+            f"{log.source}: {topics.TRUTH_SCENE} or {topics.TRUTH_OUTCOME} is not as documented "
             f"({type(error).__name__}: {error})"
         ) from error
     if not 0 <= result.attended < len(objects):
         raise LogError(
-            f"{log.source}: {channels.TRUTH_SCENE}: attended is {result.attended}, there are {len(objects)} objects"
+            f"{log.source}: {topics.TRUTH_SCENE}: attended is {result.attended}, there are {len(objects)} objects"
         )
     return result
 
@@ -189,16 +188,16 @@ def calibration(log: Log) -> Calibration:
         LogError: Lists every missing topic and every bad value, also when the log is one of a trial.
     """
     last = _last(log, "calibration")
-    poses = _typed(last, channels.CALIBRATION_POSITIONS, np.ndarray)
-    pattern = json.loads(_typed(last, channels.CALIBRATION_PATTERN, str))
+    poses = _typed(last, topics.CALIBRATION_POSITIONS, np.ndarray)
+    pattern = json.loads(_typed(last, topics.CALIBRATION_PATTERN, str))
     return Calibration(
-        image_empty=_typed(last, channels.CALIBRATION_EMPTY, np.ndarray),
-        image_marks=_typed(last, channels.CALIBRATION_MARKS, np.ndarray),
+        image_empty=_typed(last, topics.CALIBRATION_EMPTY, np.ndarray),
+        image_marks=_typed(last, topics.CALIBRATION_MARKS, np.ndarray),
         mark_positions=poses[:, :2],
         mark_rows=int(pattern["rows"]),
         mark_columns=int(pattern["columns"]),
         table_height=float(np.median(poses[:, 2])),
-        camera=_typed(last, channels.CAMERA, CameraInfo),
+        camera=_typed(last, topics.CAMERA, CameraInfo),
     )
 
 

@@ -1,4 +1,4 @@
-"""Checks of a log against the table of channels; all problems at once."""
+"""Checks of a log against the table of topics; all problems at once."""
 
 import json
 import re
@@ -8,22 +8,22 @@ import numpy as np
 
 from data_collection.joints import JOINT_NAMES
 from data_collection.limits import MAX_PIXELS, MAX_SENTENCE, MAX_TRIAL, WORD_RULE, is_word
-from data_collection.log import channels
-from data_collection.log.channels import BY_TOPIC, CHANNELS, Channel, LogKind
+from data_collection.log import topics
 from data_collection.log.mcap_log import Log, Message
 from data_collection.log.messages import CameraInfo, Floats, JointState, Transform
+from data_collection.log.topics import BY_TOPIC, TOPICS, LogKind, Topic
 
-_PATTERN = channels.CALIBRATION_PATTERN
+_PATTERN = topics.CALIBRATION_PATTERN
 _DISTORTION_SIZES = (0, 4, 5, 8, 12, 14)
 """What OpenCV takes; the documented number is 5."""
 
 
 def kind_of(log: Log) -> LogKind:
     """Return what kind of log it is: its topics tell."""
-    topics = {message.topic for message in log.messages}
-    if any(topic.startswith("/calibration/") for topic in topics):
+    present = {message.topic for message in log.messages}
+    if any(name.startswith("/calibration/") for name in present):
         return "calibration"
-    if log.metadata.get("set") == "generation" and channels.IMAGE_AFTER not in topics:
+    if log.metadata.get("set") == "generation" and topics.IMAGE_AFTER not in present:
         return "instruction"
     return "trial"
 
@@ -38,15 +38,14 @@ def problems(log: Log, kind: LogKind | None = None) -> list[str]:
     kind = kind or kind_of(log)
     present = {message.topic for message in log.messages}
     found = [
-        f"{log.source}: {channel.topic} is missing ({channel.value.type}, {channel.meaning}); "
-        f"a log of kind {kind} needs it"
-        for channel in CHANNELS
-        if kind in channel.required and channel.topic not in present
+        f"{log.source}: {topic.name} is missing ({topic.value.type}, {topic.meaning}); a log of kind {kind} needs it"
+        for topic in TOPICS
+        if kind in topic.required and topic.name not in present
     ]
     found += [
-        f"{log.source}: {topic} is not part of a log of kind {kind}"
-        for topic in sorted(present)
-        if kind not in BY_TOPIC[topic].required + BY_TOPIC[topic].optional
+        f"{log.source}: {name} is not part of a log of kind {kind}"
+        for name in sorted(present)
+        if kind not in BY_TOPIC[name].required + BY_TOPIC[name].optional
     ]
     for message in log.messages:
         reason = _reason(message, BY_TOPIC[message.topic])
@@ -63,47 +62,47 @@ def problems(log: Log, kind: LogKind | None = None) -> list[str]:
 def _grid_reasons(log: Log) -> Iterator[str]:
     """Yield what is wrong between the pattern of a calibration and its positions, each sound by itself."""
     last = {message.topic: message.value for message in log.messages}
-    pattern, positions = last.get(channels.CALIBRATION_PATTERN), last.get(channels.CALIBRATION_POSITIONS)
+    pattern, positions = last.get(topics.CALIBRATION_PATTERN), last.get(topics.CALIBRATION_POSITIONS)
     if isinstance(pattern, str) and isinstance(positions, np.ndarray) and _text_reason(pattern, _PATTERN) is None:
         size = json.loads(pattern)
         if size["rows"] * size["columns"] != len(positions):
             yield (
-                f"{channels.CALIBRATION_POSITIONS}: {len(positions)} positions, "
-                f"but {channels.CALIBRATION_PATTERN} says {size['rows']} × {size['columns']}"
+                f"{topics.CALIBRATION_POSITIONS}: {len(positions)} positions, "
+                f"but {topics.CALIBRATION_PATTERN} says {size['rows']} × {size['columns']}"
             )
 
 
-def _reason(message: Message, channel: Channel) -> str | None:
+def _reason(message: Message, topic: Topic) -> str | None:
     """Return what is wrong with a value, or None."""
     value = message.value
     if isinstance(value, JointState):
-        return _joint_reason(value) or _range_reason(value.position, channel)
+        return _joint_reason(value) or _range_reason(value.position, topic)
     if isinstance(value, CameraInfo):
         return _camera_reason(value)
     if isinstance(value, str):
-        return _text_reason(value, channel.topic)
+        return _text_reason(value, topic.name)
     if isinstance(value, tuple):
         bad = [item.child for item in value if isinstance(item, Transform) and not np.isfinite(item.pose).all()]
         return f"transforms of {bad} are not finite" if bad else None
     numbers = np.asarray(value)
-    if channel.value.type == channels.IMAGE:
+    if topic.value.type == topics.IMAGE:
         return (
             None
             if min(numbers.shape[:2]) >= 32
             else f"image of {numbers.shape[1]} × {numbers.shape[0]} pixels is too small"
         )
-    if channel.value.length is not None and numbers.shape[-1:] != (channel.value.length,):
-        return f"{numbers.size} values, {channel.value.length} are expected ({channel.value.unit})"
+    if topic.value.length is not None and numbers.shape[-1:] != (topic.value.length,):
+        return f"{numbers.size} values, {topic.value.length} are expected ({topic.value.unit})"
     if not np.isfinite(numbers).all():
         return "not finite"
-    return _range_reason(numbers, channel)
+    return _range_reason(numbers, topic)
 
 
-def _range_reason(numbers: Floats, channel: Channel) -> str | None:
-    if channel.value.lowest is not None and numbers.min(initial=channel.value.lowest) < channel.value.lowest:
-        return f"{numbers.min():g} is below {channel.value.lowest:g} ({channel.value.unit})"
-    if channel.value.highest is not None and numbers.max(initial=channel.value.highest) > channel.value.highest:
-        return f"{numbers.max():g} is above {channel.value.highest:g} ({channel.value.unit})"
+def _range_reason(numbers: Floats, topic: Topic) -> str | None:
+    if topic.value.lowest is not None and numbers.min(initial=topic.value.lowest) < topic.value.lowest:
+        return f"{numbers.min():g} is below {topic.value.lowest:g} ({topic.value.unit})"
+    if topic.value.highest is not None and numbers.max(initial=topic.value.highest) > topic.value.highest:
+        return f"{numbers.max():g} is above {topic.value.highest:g} ({topic.value.unit})"
     return None
 
 
@@ -131,13 +130,13 @@ def _joint_reason(value: JointState) -> str | None:
 
 
 def _text_reason(value: str, topic: str) -> str | None:
-    if topic == channels.SENTENCE:
+    if topic == topics.SENTENCE:
         words = value.split()
         bad = [word for word in words if not is_word(word)]
         if bad:
             return f"{bad[0][:60]!r} is no word ({WORD_RULE})"
         return f"{len(words)} words, at most {MAX_SENTENCE} are expected" if len(words) > MAX_SENTENCE else None
-    if not (topic.startswith(channels.TRUTH_PREFIX) or topic == _PATTERN):
+    if not (topic.startswith(topics.TRUTH_PREFIX) or topic == _PATTERN):
         return None
     try:
         parsed = json.loads(value)

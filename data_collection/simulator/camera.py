@@ -3,8 +3,8 @@
 import numpy as np
 
 from data_collection.apparatus import Camera
-from data_collection.log.channels import CAMERA_FRAME
 from data_collection.log.messages import CameraInfo, Image
+from data_collection.log.topics import CAMERA_FRAME
 from data_collection.simulator.scene import intrinsics
 
 

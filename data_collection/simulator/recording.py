@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from data_collection.joints import JOINT_NAMES, TACTILE_NAMES
-from data_collection.log import channels
+from data_collection.log import topics
 from data_collection.log.mcap_log import Message
 from data_collection.log.messages import Floats, Image, JointState, Transform, Value
 from data_collection.simulation_settings import Simulation
@@ -63,18 +63,18 @@ class Recording:
         found = [Message(topic, time, expose(rng, image, simulation.camera)) for topic, time, image in self.pictures]
         none = np.zeros(0)
         for topic, limit in (
-            (channels.JOINT_LOWER, self.kinematics.lower),
-            (channels.JOINT_UPPER, self.kinematics.upper),
+            (topics.JOINT_LOWER, self.kinematics.lower),
+            (topics.JOINT_UPPER, self.kinematics.upper),
         ):
             found.append(Message(topic, self.start, JointState(JOINT_NAMES, limit, none)))
         for sample in self.samples:
             read = sample.position + rng.normal(size=sample.position.shape) * math.radians(noise.joints)
             felt = np.clip(sample.touch + rng.normal(size=sample.touch.shape) * noise.tactile, 0.0, 1.0)
             values: list[tuple[str, Value]] = [
-                (channels.JOINT_STATES, JointState(JOINT_NAMES, read, sample.velocity)),
-                (channels.TACTILE, felt),
-                (channels.HAND_POSE, self.kinematics.pose(hand_model.GRASP_LINK, read).flat()),
-                (channels.TRUTH_POSES, sample.objects),
+                (topics.JOINT_STATES, JointState(JOINT_NAMES, read, sample.velocity)),
+                (topics.TACTILE, felt),
+                (topics.HAND_POSE, self.kinematics.pose(hand_model.GRASP_LINK, read).flat()),
+                (topics.TRUTH_POSES, sample.objects),
             ]
             found += [Message(topic, sample.time, value) for topic, value in values]
         return sorted([*found, *self.commands], key=lambda message: message.time)
@@ -139,10 +139,10 @@ class Recorder:
     def snapshot(self, topic: str) -> None:
         """Take a picture, and note where the links are."""
         self._pictures.append((topic, self.now(), self._picture()))
-        transforms = [Transform(channels.ROOT_FRAME, name, pose) for name, pose in self._robot.link_poses()] + [
-            Transform(robot_model.LEFT_EYE_LINK, channels.CAMERA_FRAME, np.array([0.0, 0.0, 0.0, *_OPTICAL]))
+        transforms = [Transform(topics.ROOT_FRAME, name, pose) for name, pose in self._robot.link_poses()] + [
+            Transform(robot_model.LEFT_EYE_LINK, topics.CAMERA_FRAME, np.array([0.0, 0.0, 0.0, *_OPTICAL]))
         ]
-        self._commands.append(Message(channels.TF, self.now(), tuple(transforms)))
+        self._commands.append(Message(topics.TF, self.now(), tuple(transforms)))
 
     def command(self, topic: str, value: Value) -> None:
         """Keep a message that the robot sends to itself."""

@@ -1,13 +1,13 @@
 """Robot, table and objects together: set up a scene, carry out an action, record what the robot senses."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, Self
 
 import numpy as np
 
-from data_collection.log import channels
+from data_collection.log import topics
 from data_collection.log.messages import Floats, Image
 from data_collection.simulation_settings import Simulation
 from data_collection.simulator import hand_model, robot_model, scene
@@ -119,11 +119,18 @@ class World:
     def rest(self) -> Recording:
         """Record the scene and the resting robot."""
         recorder = self._recorder()
-        recorder.snapshot(channels.IMAGE_BEFORE)
-        nothing = Outcome(0.0, False, 0.0, 0.0, False, 0.0, None, ())
+        recorder.snapshot(topics.IMAGE_BEFORE)
+        nothing = Outcome(0.0, 0.0, 0.0, 0.0, None, ())
         return recorder.finish(nothing)
 
-    def act(self, attended: int, target: Floats | None, finger_rate: float, gaze_offset: Floats) -> Recording:
+    def act(
+        self,
+        attended: int,
+        target: Floats | None,
+        finger_rate: float,
+        gaze_offset: Floats,
+        lifts: Callable[[float], bool],
+    ) -> Recording:
         """Look at an object, bring the hand to ``target``, bend the fingers, and test by lifting what is in the hand.
 
         Args:
@@ -131,37 +138,35 @@ class World:
             target: (3,) for the grasp point, metres, robot frame; None leaves the hand at rest.
             finger_rate: Bend of the fingers, 0..1.
             gaze_offset: (2,) by how much the fixation point misses the middle of the object, metres.
+            lifts: Whether to test by lifting, given the force between hand and object, newtons.
         """
         motion = self.simulation.motion
         recorder = self._recorder()
-        recorder.snapshot(channels.IMAGE_BEFORE)
+        recorder.snapshot(topics.IMAGE_BEFORE)
         before = [scene.object_pose(self.client, body) for body in self.objects]
         fixation = before[attended][:3] + np.array([*gaze_offset, 0.0])
-        recorder.command(channels.GAZE_TARGET, fixation)
+        recorder.command(topics.GAZE_TARGET, fixation)
         posture = look(self.kinematics, fixation, self.rest_angles, self.rest_angles)
         recorder.move(self.rest_angles, posture, motion.gaze_time)
         recorder.move(posture, posture, 0.1)
-        recorder.snapshot(channels.IMAGE_GAZE)
-        recorder.command(channels.FINGER_RATE, finger_rate)
+        recorder.snapshot(topics.IMAGE_GAZE)
+        recorder.command(topics.FINGER_RATE, finger_rate)
         if target is None:
             recorder.move(posture, posture, motion.bend_time)
         else:
-            recorder.command(channels.HAND_TARGET, target)
+            recorder.command(topics.HAND_TARGET, target)
             posture = self._grasp(recorder, posture, target, finger_rate, fixation)
         recorder.sample()
-        recorder.snapshot(channels.IMAGE_AFTER)
+        recorder.snapshot(topics.IMAGE_AFTER)
         ended = recorder.now()
         hand = self.robot.link_pose(hand_model.GRASP_LINK)[:3]
         force = recorder.force(self.objects[attended])
-        contact = force >= self.simulation.tutor.contact
-        rise = self._lift(posture, self.objects[attended]) if contact and target is not None else 0.0
+        rise = self._lift(posture, self.objects[attended]) if target is not None and lifts(force) else 0.0
         after = [scene.object_pose(self.client, body) for body in self.objects]
         outcome = Outcome(
             displacement=float(np.linalg.norm(hand - recorder.rest_hand)),
-            contact=contact,
             force=force,
             finger_rate=finger_rate,
-            held=rise >= self.simulation.tutor.held * motion.lift_height,
             rise=rise,
             hand_error=None if target is None else float(np.linalg.norm(hand - target)),
             toppled=tuple(

@@ -1,4 +1,4 @@
-"""Sound logs of every kind, and every way to break a message of theirs, made from the table of channels."""
+"""Sound logs of every kind, and every way to break a message of theirs, made from the table of topics."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ import pytest
 
 from data_collection.joints import JOINT_NAMES
 from data_collection.limits import MAX_MESSAGE_BYTES, MAX_SENTENCE
-from data_collection.log import channels
-from data_collection.log.channels import CHANNELS, Channel, LogKind
+from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError, Message, read_log
 from data_collection.log.messages import CameraInfo, JointState, Transform, Value
+from data_collection.log.topics import TOPICS, LogKind, Topic
 from data_collection.log.trial import calibration, observation, truth
 from data_collection.log.validation import kind_of
 from tests.data_collection.raw_mcap import (
@@ -31,45 +31,45 @@ SCENE: dict[str, Any] = {
     "objects": [{"object": "cup", "color": "red", "place": "left", "position": [0.3, 0.1]}],
 }
 TEXTS = {
-    channels.SENTENCE: "grasp red cup",
-    channels.ROBOT_DESCRIPTION: "<robot/>",
-    channels.TRUTH_SCENE: json.dumps(SCENE),
-    channels.TRUTH_OUTCOME: json.dumps({"word": "grasp", "action": "grasp"}),
-    channels.CALIBRATION_PATTERN: json.dumps({"rows": 2, "columns": 2}),
+    topics.SENTENCE: "grasp red cup",
+    topics.ROBOT_DESCRIPTION: "<robot/>",
+    topics.TRUTH_SCENE: json.dumps(SCENE),
+    topics.TRUTH_OUTCOME: json.dumps({"word": "grasp", "action": "grasp"}),
+    topics.CALIBRATION_PATTERN: json.dumps({"rows": 2, "columns": 2}),
 }
 POSES = np.tile([0.3, 0.1, 0.0, 0.0, 0.0, 0.0, 1.0], (4, 1))
 
 
-def sound(channel: Channel) -> Value:
-    """A value that a channel accepts."""
+def sound(topic: Topic) -> Value:
+    """A value that a topic accepts."""
     made: dict[str, Callable[[], Value]] = {
-        channels.IMAGE: lambda: np.arange(32 * 40 * 3).astype(np.uint8).reshape(32, 40, 3),
-        channels.CAMERA_INFO: lambda: CameraInfo(40, 32, np.diag([50.0, 51.0, 1.0]), np.zeros(5), "eye"),
-        channels.JOINT_STATE: lambda: JointState(JOINT_NAMES, np.zeros(25), np.zeros(25)),
-        channels.NUMBER: lambda: 0.5,
-        channels.NUMBERS: lambda: np.full(channel.value.length or 0, 0.5),
-        channels.POINT: lambda: POSES[0, :3],
-        channels.POSE: lambda: POSES[0],
-        channels.POSES: lambda: POSES,
-        channels.TRANSFORMS: lambda: (Transform("root", "hand", POSES[0]),),
-        channels.TEXT: lambda: TEXTS[channel.topic],
+        topics.IMAGE: lambda: np.arange(32 * 40 * 3).astype(np.uint8).reshape(32, 40, 3),
+        topics.CAMERA_INFO: lambda: CameraInfo(40, 32, np.diag([50.0, 51.0, 1.0]), np.zeros(5), "eye"),
+        topics.JOINT_STATE: lambda: JointState(JOINT_NAMES, np.zeros(25), np.zeros(25)),
+        topics.NUMBER: lambda: 0.5,
+        topics.NUMBERS: lambda: np.full(topic.value.length or 0, 0.5),
+        topics.POINT: lambda: POSES[0, :3],
+        topics.POSE: lambda: POSES[0],
+        topics.POSES: lambda: POSES,
+        topics.TRANSFORMS: lambda: (Transform("root", "hand", POSES[0]),),
+        topics.TEXT: lambda: TEXTS[topic.name],
     }
-    return made[channel.value.type]()
+    return made[topic.value.type]()
 
 
 @functools.cache
 def messages(kind: LogKind) -> tuple[Raw, ...]:
     """A sound log of a kind, with all that it may hold."""
-    held = [channel for channel in CHANNELS if kind in channel.required + channel.optional]
-    return tuple(Raw.of(Message(channel.topic, TIME + i, sound(channel))) for i, channel in enumerate(held))
+    held = [topic for topic in TOPICS if kind in topic.required + topic.optional]
+    return tuple(Raw.of(Message(topic.name, TIME + i, sound(topic))) for i, topic in enumerate(held))
 
 
 def metadata(kind: LogKind) -> dict[str, str]:
     return {"trial": "1", "set": "generation" if kind == "instruction" else "train"}
 
 
-def kind_with(channel: Channel) -> LogKind:
-    return (channel.required + channel.optional)[0]
+def kind_with(topic: Topic) -> LogKind:
+    return (topic.required + topic.optional)[0]
 
 
 def use(path: Path) -> Log:
@@ -86,7 +86,7 @@ def use(path: Path) -> Log:
 Broken = tuple[str, Callable[[Raw], list[Raw]]]
 
 
-def wrong_envelopes(channel: Channel) -> Iterator[Broken]:
+def wrong_envelopes(topic: Topic) -> Iterator[Broken]:
     """What can be wrong with any message, whatever it holds."""
 
     def changed(**change: Any) -> Callable[[Raw], list[Raw]]:
@@ -95,7 +95,7 @@ def wrong_envelopes(channel: Channel) -> Iterator[Broken]:
     def cut(part: float) -> Callable[[Raw], list[Raw]]:
         return lambda raw: [dataclasses.replace(raw, data=raw.data[: int(part * len(raw.data))])]
 
-    others = sorted({other.value.type for other in CHANNELS} - {channel.value.type})
+    others = sorted({other.value.type for other in TOPICS} - {topic.value.type})
     for other in (*others, "std_msgs/msg/Nonsense", ""):
         yield f"type {other}", changed(type=other)
     for encoding in ("json", "ros1", "protobuf", ""):
@@ -108,20 +108,20 @@ def wrong_envelopes(channel: Channel) -> Iterator[Broken]:
         "lengths of 4 GiB",
         lambda raw: [dataclasses.replace(raw, data=raw.data[:4] + b"\xff" * (len(raw.data) - 4))],
     )
-    if channel.value.type != channels.IMAGE:
+    if topic.value.type != topics.IMAGE:
         yield "too many bytes", changed(data=bytes(MAX_MESSAGE_BYTES + 1))
-    if channel.once:
+    if topic.once:
         yield "twice", lambda raw: [raw, raw]
 
 
-def wrong_values(channel: Channel) -> Iterator[tuple[str, Value]]:
+def wrong_values(topic: Topic) -> Iterator[tuple[str, Value]]:
     """Every field of a value, broken in every way that it can be written."""
-    value = sound(channel)
-    if channel.value.type == channels.IMAGE:
+    value = sound(topic)
+    if topic.value.type == topics.IMAGE:
         yield "8 × 8 pixels", np.zeros((8, 8, 3), np.uint8)
         yield "one row", np.zeros((1, 400, 3), np.uint8)
-    elif channel.value.type == channels.TEXT:
-        yield from wrong_texts(channel)
+    elif topic.value.type == topics.TEXT:
+        yield from wrong_texts(topic)
     elif isinstance(value, CameraInfo):
         for change in ({"width": 0}, {"height": 0}, {"width": 100_000, "height": 100_000}):
             yield f"size {change}", dataclasses.replace(value, **change)
@@ -144,11 +144,11 @@ def wrong_values(channel: Channel) -> Iterator[tuple[str, Value]]:
                 yield f"pose[{index}] {bad}", (Transform("root", "hand", put(POSES[0], index, bad)),)
     else:
         numbers = np.asarray(value, dtype=np.float64)
-        for at in (at for at in np.ndindex(numbers.shape) if channel.value.type != channels.POSES or at[0] == 1):
-            for bad in (NAN, INF, -INF, (channel.value.lowest or 0) - 1e-6, (channel.value.highest or 0) + 1e-6):
+        for at in (at for at in np.ndindex(numbers.shape) if topic.value.type != topics.POSES or at[0] == 1):
+            for bad in (NAN, INF, -INF, (topic.value.lowest or 0) - 1e-6, (topic.value.highest or 0) + 1e-6):
                 yield f"{list(at)} {bad}", put(numbers, at, bad)
-        if channel.value.type == channels.NUMBERS:
-            for size in (0, channel.value.length - 1, channel.value.length + 1, 100_000):
+        if topic.value.type == topics.NUMBERS:
+            for size in (0, topic.value.length - 1, topic.value.length + 1, 100_000):
                 yield f"{size} numbers", np.zeros(size)
 
 
@@ -174,23 +174,23 @@ BAD_WORDS = (
 )  # fmt: skip
 
 
-def wrong_texts(channel: Channel) -> Iterator[tuple[str, Value]]:
-    if channel.topic == channels.SENTENCE:
+def wrong_texts(topic: Topic) -> Iterator[tuple[str, Value]]:
+    if topic.name == topics.SENTENCE:
         for word in BAD_WORDS:
             yield f"word {word[:9]!r}", f"grasp {word}"
         yield "many words", "red " * (MAX_SENTENCE + 1)
         return
-    if channel.topic == channels.ROBOT_DESCRIPTION:
+    if topic.name == topics.ROBOT_DESCRIPTION:
         return
     yield from {"empty": "", "half": "{", "deep": "[" * 100_000, "no mapping": "3", "null": "null"}.items()
-    valid: dict[str, Any] = json.loads(TEXTS[channel.topic])
+    valid: dict[str, Any] = json.loads(TEXTS[topic.name])
     bad: Any
-    if channel.topic == channels.CALIBRATION_PATTERN:
+    if topic.name == topics.CALIBRATION_PATTERN:
         for key in valid:
             for bad in (None, "2", 2.0, True, [2], 0, -2, 1, 3, 1001, 10**30, NAN, INF):
                 yield f"{key} {bad!r}", json.dumps(valid | {key: bad})
             yield f"no {key}", json.dumps({other: valid[other] for other in valid if other != key})
-    elif channel.topic == channels.TRUTH_OUTCOME:
+    elif topic.name == topics.TRUTH_OUTCOME:
         for bad in (None, 3, ["grasp"], "", "two words", *BAD_WORDS):
             yield f"word {bad!r}", json.dumps({"word": bad})
         yield "no word", "{}"
@@ -220,15 +220,15 @@ def put(values: Any, at: Any, value: float) -> Any:
 
 
 def cases() -> Iterator[Any]:
-    for channel in CHANNELS:
-        for label, change in wrong_envelopes(channel):
-            yield pytest.param(channel, change, id=f"{channel.topic}-{label}")
-        for label, value in wrong_values(channel):
+    for topic in TOPICS:
+        for label, change in wrong_envelopes(topic):
+            yield pytest.param(topic, change, id=f"{topic.name}-{label}")
+        for label, value in wrong_values(topic):
 
             def remade(raw: Raw, value: Value = value) -> list[Raw]:
                 return [Raw.of(Message(raw.topic, raw.time, value))]
 
-            yield pytest.param(channel, remade, id=f"{channel.topic}-{label!s:.60}")
+            yield pytest.param(topic, remade, id=f"{topic.name}-{label!s:.60}")
 
 
 CASES = list(cases())

@@ -6,9 +6,9 @@ import struct
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from data_collection.log import channels, codec
-from data_collection.log.channels import BY_TOPIC
+from data_collection.log import codec, topics
 from data_collection.log.mcap_log import METADATA_NAME, Message
+from data_collection.log.topics import BY_TOPIC
 
 MAGIC = b"\x89MCAP0\r\n"
 
@@ -28,7 +28,7 @@ class Raw:
     def of(cls, message: Message) -> Raw:
         """The message as it should stand."""
         form = BY_TOPIC[message.topic].value
-        data = codec.encode(form.type, message.value, message.time, form.frame or channels.ROOT_FRAME)
+        data = codec.encode(form.type, message.value, message.time, form.frame or topics.ROOT_FRAME)
         return cls(message.topic, message.time, data, form.type)
 
 

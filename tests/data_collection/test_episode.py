@@ -9,16 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from data_collection.comparison import differences, regenerate
+from data_collection.log_differences import differences, regenerate
 from data_collection.episode import calibrate, collect, execute
 from data_collection.joints import JOINT_NAMES
-from data_collection.log import channels
+from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError, read_log, write_log
 from data_collection.log.messages import JointState
 from data_collection.log.trial import observation, truth
 from data_collection.simulation_settings import Simulation
 from data_collection.simulator.world import World
-from data_collection.task import Command, Placed
+from data_collection.task import Command, Judgement, Placed, judge
 from tests.conftest import Simulated, simulation_of
 
 PROVENANCE = {"code_sha256": "c0de", "lock_sha256": "10c4"}
@@ -45,9 +45,9 @@ def test_a_trial_does_not_depend_on_those_before_it(
 
 
 def test_seed_set_and_trial_all_matter(simulation: Simulation, trials: list[Log]) -> None:
-    scenes = {str(m.value) for log in trials for m in log.messages if m.topic == channels.TRUTH_SCENE}
+    scenes = {str(m.value) for log in trials for m in log.messages if m.topic == topics.TRUTH_SCENE}
     for other in (_one(simulation, "description", 1), _one(simulation, "train", 1, seed=2)):
-        scenes |= {str(m.value) for m in other.messages if m.topic == channels.TRUTH_SCENE}
+        scenes |= {str(m.value) for m in other.messages if m.topic == topics.TRUTH_SCENE}
     assert len(scenes) == len(trials) + 2
 
 
@@ -109,7 +109,7 @@ def test_metadata(trials: list[Log]) -> None:
 def test_signals_live(trials: list[Log]) -> None:
     """Joints move, images differ, nothing is constant or not finite, the rate is the one set."""
     moved = next(log for log in trials if (known := truth(log)) and known.outcome["hand_error"] is not None)
-    states = [m for m in moved.messages if m.topic == channels.JOINT_STATES]
+    states = [m for m in moved.messages if m.topic == topics.JOINT_STATES]
     steps = np.diff([message.time for message in states[:-1]])
     assert steps == pytest.approx(5e7, abs=1)
     positions = np.array([m.value.position for m in states if isinstance(m.value, JointState)])
@@ -127,7 +127,7 @@ def test_signals_live(trials: list[Log]) -> None:
 
 def test_the_robot_does_not_hide_the_table(simulation: Simulation, calibration_log: Log) -> None:
     """In the rest posture the camera sees nothing but the table where objects can be."""
-    empty = np.asarray(next(m.value for m in calibration_log.messages if m.topic == channels.CALIBRATION_EMPTY))
+    empty = np.asarray(next(m.value for m in calibration_log.messages if m.topic == topics.CALIBRATION_EMPTY))
     assert empty[20:262].min() > 200, "white table, no shadow and no arm"
 
 
@@ -137,15 +137,13 @@ def test_a_good_grasp_holds(simulation: Simulation, shape: str, place: str) -> N
     kind = next(kind for kind in simulation.kinds() if kind.shape == shape)
     with World(simulation) as world:
         world.set_up([Placed(kind, place, simulation.places[place], 0.3)], None)
-        closed = world.act(0, world.best_grasp(0), 0.85, np.zeros(2)).outcome
-        assert closed.held
-        assert closed.contact
+        closed = world.act(0, world.best_grasp(0), 0.85, np.zeros(2), lifts=bool).outcome
+        assert judge(closed, simulation) == Judgement(contact=True, held=True, action="grasp")
         assert closed.rise == pytest.approx(simulation.motion.lift_height, abs=0.01)
         world.set_up([Placed(kind, place, simulation.places[place], 0.3)], None)
         above = world.best_grasp(0) + np.array([0.0, 0.0, 0.05])
-        opened = world.act(0, above, 0.0, np.zeros(2)).outcome
-        assert not opened.contact
-        assert not opened.held
+        opened = world.act(0, above, 0.0, np.zeros(2), lifts=bool).outcome
+        assert judge(opened, simulation) == Judgement(contact=False, held=False, action="reach")
         assert opened.hand_error == pytest.approx(0.0, abs=0.003)
 
 
@@ -153,7 +151,7 @@ def test_touch_is_felt(simulation: Simulation) -> None:
     kind = simulation.kinds()[0]
     with World(simulation) as world:
         world.set_up([Placed(kind, "front", (0.21, 0.0), 0.3)], None)
-        recording = world.act(0, world.best_grasp(0), 0.9, np.zeros(2))
+        recording = world.act(0, world.best_grasp(0), 0.9, np.zeros(2), lifts=bool)
         first, last = recording.samples[0].touch, recording.samples[-1].touch
         assert first.max() == 0.0
         assert last.max() > 0.3

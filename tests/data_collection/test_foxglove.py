@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from data_collection.joints import JOINT_NAMES
-from data_collection.log import channels
+from data_collection.log import topics
 from data_collection.log.codec import decode_image
 from data_collection.log.mcap_log import Log, write_log
 from data_collection.log.messages import JointState
@@ -46,10 +46,10 @@ def test_every_message_is_decoded(decoded: dict[str, Any], trials: list[Log]) ->
 
 def test_the_values_are_ours(decoded: dict[str, Any], trials: list[Log]) -> None:
     ours = {message.topic: message.value for message in trials[0].messages}
-    joints = ours[channels.JOINT_STATES]
+    joints = ours[topics.JOINT_STATES]
     assert isinstance(joints, JointState)
-    assert decoded["last"][channels.JOINT_STATES]["name"] == list(JOINT_NAMES)
-    assert decoded["last"][channels.JOINT_STATES]["position"] == np.asarray(joints.position).tolist()
-    assert decoded["last"][channels.SENTENCE]["data"] == ours[channels.SENTENCE]
-    image = bytes(decoded["last"][channels.IMAGE_AFTER]["data"])
-    assert np.array_equal(decode_image(image), np.asarray(ours[channels.IMAGE_AFTER]))
+    assert decoded["last"][topics.JOINT_STATES]["name"] == list(JOINT_NAMES)
+    assert decoded["last"][topics.JOINT_STATES]["position"] == np.asarray(joints.position).tolist()
+    assert decoded["last"][topics.SENTENCE]["data"] == ours[topics.SENTENCE]
+    image = bytes(decoded["last"][topics.IMAGE_AFTER]["data"])
+    assert np.array_equal(decode_image(image), np.asarray(ours[topics.IMAGE_AFTER]))

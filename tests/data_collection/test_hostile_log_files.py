@@ -18,11 +18,11 @@ import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from data_collection.comparison import differences
+from data_collection.log_differences import differences
 from data_collection.limits import MAX_LOG_BYTES
-from data_collection.log import channels, codec
-from data_collection.log.channels import BY_TOPIC, CHANNELS
+from data_collection.log import codec, topics
 from data_collection.log.mcap_log import Log, LogError, Message, write_log
+from data_collection.log.topics import BY_TOPIC, TOPICS
 from data_collection.log.validation import problems
 from tests.bounded import errors_within
 from tests.data_collection.broken_logs import TIME, kind_with, messages, metadata, refusal, sound, use
@@ -73,10 +73,10 @@ IMAGES = {
 def with_image(data: bytes) -> bytes:
     """A log whose picture before the action is these bytes."""
     store: Any = codec._store()
-    message = store.deserialize_cdr(messages("trial")[0].data, channels.IMAGE)
+    message = store.deserialize_cdr(messages("trial")[0].data, topics.IMAGE)
     message.data = np.frombuffer(data, dtype=np.uint8)
-    raw = dataclasses.replace(messages("trial")[0], data=bytes(store.serialize_cdr(message, channels.IMAGE)))
-    assert raw.topic == channels.IMAGE_BEFORE
+    raw = dataclasses.replace(messages("trial")[0], data=bytes(store.serialize_cdr(message, topics.IMAGE)))
+    assert raw.topic == topics.IMAGE_BEFORE
     return log_file([raw, *messages("trial")[1:]], metadata("trial"))
 
 
@@ -84,21 +84,21 @@ def with_image(data: bytes) -> bytes:
 @pytest.mark.parametrize("name", IMAGES)
 def test_a_bad_image_is_refused(tmp_path: Path, name: str) -> None:
     says = refusal(tmp_path, with_image(IMAGES[name]))
-    assert f"{channels.IMAGE_BEFORE} at {TIME} ns cannot be decoded" in says
+    assert f"{topics.IMAGE_BEFORE} at {TIME} ns cannot be decoded" in says
 
 
-DEFINED = schema_record(1, channels.TEXT) + channel_record(1, 1, channels.SENTENCE)
+DEFINED = schema_record(1, topics.TEXT) + channel_record(1, 1, topics.SENTENCE)
 FOREIGN = channel_record(7, 0, "/" + "x" * 2**24)
 PACKED = chunk_record(zstandard.compress(FOREIGN), "zstd", len(FOREIGN))
 NESTED = chunk_record(DEFINED, "", len(DEFINED))
 BOMB = zstd_of_zeros(2**32)
 FRAMES: dict[str, tuple[bytes, str]] = {
     "a channel that is not defined": (whole(message_record(9, TIME, b"")), f"{TIME} ns is on channel 9"),
-    "a channel that is defined twice": (whole(DEFINED, channel_record(1, 1, channels.TF)), "channel 1 is defined"),
+    "a channel that is defined twice": (whole(DEFINED, channel_record(1, 1, topics.TF)), "channel 1 is defined"),
     "a schema that is defined twice": (whole(DEFINED, schema_record(1, "x/msg/Y")), "schema 1 is defined twice"),
     "a channel without a schema": (
-        whole(channel_record(1, 0, channels.SENTENCE), message_record(1, TIME, b"")),
-        f"{channels.SENTENCE} at {TIME} ns is of type unknown",
+        whole(channel_record(1, 0, topics.SENTENCE), message_record(1, TIME, b"")),
+        f"{topics.SENTENCE} at {TIME} ns is of type unknown",
     ),
     "a topic that is no UTF-8": (whole(channel_record(1, 0, "").replace(b"cdr", b"\xff\xff\xff")), "damaged"),
     "a record of 4 GiB": (whole(record(5, b"", 2**32)), "damaged"),
@@ -126,9 +126,9 @@ FRAMES: dict[str, tuple[bytes, str]] = {
         "is defined twice",
     ),
     "a million messages": (
-        whole(schema_record(1, channels.JOINT_STATE), channel_record(1, 1, channels.JOINT_STATES),
+        whole(schema_record(1, topics.JOINT_STATE), channel_record(1, 1, topics.JOINT_STATES),
               message_record(1, TIME, b"") * 1_000_000),
-        f"{channels.JOINT_STATES} at {TIME} ns is one of more than",
+        f"{topics.JOINT_STATES} at {TIME} ns is one of more than",
     ),
     "100 pictures": (log_file([messages("trial")[0]] * 100, metadata("trial")), "comes again, once is expected"),
     "an image of 10^10 pixels": (with_image(IMAGES["png of 100,000 × 100,000"]), "no PNG or JPEG of at most"),
@@ -225,7 +225,7 @@ def test_fuzz_any_bytes(shared_folder: Path, content: bytes) -> None:
 
 
 @examples(FEW)
-@given(topic=st.sampled_from([channel.topic for channel in CHANNELS]), content=st.binary(max_size=200))
+@given(topic=st.sampled_from([topic.name for topic in TOPICS]), content=st.binary(max_size=200))
 def test_fuzz_any_message(shared_folder: Path, topic: str, content: bytes) -> None:
     kind = kind_with(BY_TOPIC[topic])
     changed = [dataclasses.replace(raw, data=content) if raw.topic == topic else raw for raw in messages(kind)]

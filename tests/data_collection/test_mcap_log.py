@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from data_collection.comparison import differences
+from data_collection.log_differences import differences
 from data_collection.joints import JOINT_NAMES
-from data_collection.log import channels, mcap_log
+from data_collection.log import mcap_log, topics
 from data_collection.log.mcap_log import Log, LogError, Message, read_log, write_log
 from data_collection.log.messages import CameraInfo, JointState, Transform, Value
 from data_collection.seeding import generator
@@ -20,16 +20,16 @@ def _small() -> Log:
     joints = JointState(JOINT_NAMES, rng.normal(size=25), rng.normal(size=25))
     camera = CameraInfo(64, 48, np.diag([50.0, 51.0, 1.0]), np.zeros(5), "eye")
     values: dict[str, Value] = {
-        channels.IMAGE_BEFORE: image,
-        channels.CAMERA: camera,
-        channels.JOINT_STATES: joints,
-        channels.TACTILE: rng.random(9),
-        channels.HAND_POSE: rng.normal(size=7),
-        channels.GAZE_TARGET: rng.normal(size=3),
-        channels.FINGER_RATE: 0.25,
-        channels.SENTENCE: "touch écarlate",
-        channels.TF: (Transform("a", "b", rng.normal(size=7)),),
-        channels.TRUTH_POSES: rng.normal(size=(2, 7)),
+        topics.IMAGE_BEFORE: image,
+        topics.CAMERA: camera,
+        topics.JOINT_STATES: joints,
+        topics.TACTILE: rng.random(9),
+        topics.HAND_POSE: rng.normal(size=7),
+        topics.GAZE_TARGET: rng.normal(size=3),
+        topics.FINGER_RATE: 0.25,
+        topics.SENTENCE: "touch écarlate",
+        topics.TF: (Transform("a", "b", rng.normal(size=7)),),
+        topics.TRUTH_POSES: rng.normal(size=(2, 7)),
     }
     messages = tuple(Message(topic, 10**9 + 7 * index, value) for index, (topic, value) in enumerate(values.items()))
     return Log({"trial": "1", "seed": "3"}, messages)
@@ -39,8 +39,8 @@ def test_every_type_survives(tmp_path: Path) -> None:
     log = _small()
     write_log(tmp_path / "a.mcap", log)
     assert differences(log, read_log(tmp_path / "a.mcap")) == []
-    types = {channels.BY_TOPIC[message.topic].value.type for message in log.messages}
-    assert types == {channel.value.type for channel in channels.CHANNELS}
+    types = {topics.BY_TOPIC[message.topic].value.type for message in log.messages}
+    assert types == {topic.value.type for topic in topics.TOPICS}
 
 
 def test_real_trial_survives(tmp_path: Path, trials: list[Log]) -> None:
@@ -55,7 +55,7 @@ def test_differences_are_seen() -> None:
     image[3, 4, 1] ^= 1
     changed[0] = Message(changed[0].topic, changed[0].time, image)
     assert differences(log, Log(log.metadata, tuple(changed))) == [
-        f"{channels.IMAGE_BEFORE} at {10**9} ns: values differ"
+        f"{topics.IMAGE_BEFORE} at {10**9} ns: values differ"
     ]
     assert differences(log, Log({**log.metadata, "seed": "4"}, log.messages)) == ["metadata seed: '3' and '4'"]
     assert differences(log, Log(log.metadata, log.messages[:-1])) == ["10 and 9 messages"]
@@ -118,13 +118,13 @@ def test_foreign_topics_are_passed_over_and_wrong_types_are_not(
 ) -> None:
     log = _small()
     write_log(tmp_path / "a.mcap", log)
-    without = {topic: channel for topic, channel in channels.BY_TOPIC.items() if topic != channels.TACTILE}
+    without = {name: topic for name, topic in topics.BY_TOPIC.items() if name != topics.TACTILE}
     monkeypatch.setattr(mcap_log, "BY_TOPIC", without)
     assert len(read_log(tmp_path / "a.mcap").messages) == len(log.messages) - 1
-    wrong = {**without, channels.TACTILE: channels.BY_TOPIC[channels.SENTENCE]}
+    wrong = {**without, topics.TACTILE: topics.BY_TOPIC[topics.SENTENCE]}
     monkeypatch.setattr(mcap_log, "BY_TOPIC", wrong)
     with pytest.raises(
-        LogError, match=rf"a\.mcap: {channels.TACTILE} at \d+ ns is of type std_msgs/msg/Float64MultiArray"
+        LogError, match=rf"a\.mcap: {topics.TACTILE} at \d+ ns is of type std_msgs/msg/Float64MultiArray"
     ):
         read_log(tmp_path / "a.mcap")
 
@@ -132,7 +132,7 @@ def test_foreign_topics_are_passed_over_and_wrong_types_are_not(
 def test_unknown_topics_and_disorder_are_not_written(tmp_path: Path) -> None:
     with pytest.raises(LogError, match="/nowhere"):
         write_log(tmp_path / "a.mcap", Log({}, (Message("/nowhere", 0, "x"),)))
-    late = (Message(channels.SENTENCE, 5, "x"), Message(channels.SENTENCE, 4, "y"))
+    late = (Message(topics.SENTENCE, 5, "x"), Message(topics.SENTENCE, 4, "y"))
     with pytest.raises(LogError, match="time order"):
         write_log(tmp_path / "a.mcap", Log({}, late))
     assert list(tmp_path.iterdir()) == []
@@ -143,7 +143,7 @@ def test_nothing_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     path = tmp_path / "a.mcap"
     write_log(path, _small())
     before = path.read_bytes()
-    bad = Log({}, (Message(channels.SENTENCE, 0, "x"), Message(channels.TACTILE, 1, "no numbers")))
+    bad = Log({}, (Message(topics.SENTENCE, 0, "x"), Message(topics.TACTILE, 1, "no numbers")))
     with pytest.raises((ValueError, TypeError)):
         write_log(path, bad)
     assert [item.name for item in tmp_path.iterdir()] == ["a.mcap"]

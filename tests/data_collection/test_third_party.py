@@ -7,7 +7,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 
 from data_collection.joints import JOINT_NAMES
-from data_collection.log import channels
+from data_collection.log import topics
 from data_collection.log.codec import decode_image
 from data_collection.log.mcap_log import Log, write_log
 from data_collection.log.messages import JointState
@@ -28,7 +28,7 @@ def test_rosbags_reads_everything(log_path: Path, trials: list[Log]) -> None:
             (connection.topic, time, reader.deserialize(data, connection.msgtype))
             for connection, time, data in reader.messages()
         ]
-    assert types == {topic: channels.BY_TOPIC[topic].value.type for topic in {message.topic for message in ours}}
+    assert types == {topic: topics.BY_TOPIC[topic].value.type for topic in {message.topic for message in ours}}
     assert sorted((topic, time) for topic, time, _ in found) == sorted(
         (message.topic, message.time) for message in ours
     )
@@ -39,17 +39,17 @@ def test_rosbags_decodes_the_same_values(log_path: Path, trials: list[Log]) -> N
     with AnyReader([log_path]) as reader:
         for connection, time, data in reader.messages():
             message, value = reader.deserialize(data, connection.msgtype), ours[connection.topic, time]
-            if connection.topic == channels.JOINT_STATES:
+            if connection.topic == topics.JOINT_STATES:
                 assert isinstance(value, JointState)
                 assert tuple(message.name) == JOINT_NAMES
                 assert np.array_equal(message.position, value.position)
-            elif connection.msgtype == channels.IMAGE:
+            elif connection.msgtype == topics.IMAGE:
                 assert message.format == "png"
-                assert message.header.frame_id == channels.CAMERA_FRAME
+                assert message.header.frame_id == topics.CAMERA_FRAME
                 assert np.array_equal(decode_image(message.data.tobytes()), np.asarray(value))
-            elif connection.topic == channels.SENTENCE:
+            elif connection.topic == topics.SENTENCE:
                 assert message.data == value
-            elif connection.topic == channels.TACTILE:
+            elif connection.topic == topics.TACTILE:
                 assert np.array_equal(message.data, np.asarray(value))
             if hasattr(message, "header"):
                 stamp = message.header.stamp

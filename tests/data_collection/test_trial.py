@@ -5,12 +5,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from data_collection.comparison import _same
+from data_collection.log_differences import _same
 from data_collection.joints import JOINT_NAMES
-from data_collection.log import channels
-from data_collection.log.channels import CHANNELS, TRUTH_PREFIX, LogKind
+from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError, Message
 from data_collection.log.messages import CameraInfo, JointState, Value
+from data_collection.log.topics import TOPICS, TRUTH_PREFIX, LogKind
 from data_collection.log.trial import calibration, observation, truth
 from data_collection.log.validation import problems
 
@@ -58,8 +58,8 @@ def test_observation_needs_no_truth(trials: list[Log], instruction: Log) -> None
 
 
 def test_half_the_truth_is_an_error(trials: list[Log]) -> None:
-    with pytest.raises(LogError, match=f"{channels.TRUTH_OUTCOME} is missing"):
-        truth(_without(trials[0], channels.TRUTH_OUTCOME))
+    with pytest.raises(LogError, match=f"{topics.TRUTH_OUTCOME} is missing"):
+        truth(_without(trials[0], topics.TRUTH_OUTCOME))
 
 
 def test_instruction(instruction: Log) -> None:
@@ -86,11 +86,11 @@ def test_calibration(calibration_log: Log) -> None:
 def test_kinds_are_not_confused(trials: list[Log], calibration_log: Log) -> None:
     with pytest.raises(LogError, match="calibration"):
         observation(calibration_log)
-    with pytest.raises(LogError, match=channels.CALIBRATION_EMPTY):
+    with pytest.raises(LogError, match=topics.CALIBRATION_EMPTY):
         calibration(trials[0])
 
 
-REQUIRED = [(kind, channel.topic) for channel in CHANNELS for kind in channel.required]
+REQUIRED = [(kind, topic.name) for topic in TOPICS for kind in topic.required]
 
 
 @pytest.mark.parametrize(("kind", "topic"), REQUIRED)
@@ -105,7 +105,7 @@ def test_all_missing_topics_at_once(trials: list[Log]) -> None:
     bare = _without(_without(trials[0], "/camera"), "/tactile")
     with pytest.raises(LogError) as caught:
         observation(bare)
-    assert all(topic in str(caught.value) for topic in (channels.IMAGE_BEFORE, channels.CAMERA, channels.TACTILE))
+    assert all(topic in str(caught.value) for topic in (topics.IMAGE_BEFORE, topics.CAMERA, topics.TACTILE))
 
 
 def _joints(**change: object) -> Callable[[Value], Value]:
@@ -113,23 +113,23 @@ def _joints(**change: object) -> Callable[[Value], Value]:
 
 
 BAD: list[tuple[str, Callable[[Value], Value], str]] = [
-    (channels.TACTILE, lambda _: np.full(9, 1.5), "above 1"),
-    (channels.TACTILE, lambda _: np.full(9, -0.1), "below 0"),
-    (channels.TACTILE, lambda _: np.full(9, np.nan), "not finite"),
-    (channels.TACTILE, lambda _: np.zeros(8), "8 values, 9 are expected"),
-    (channels.FINGER_RATE, lambda _: 1.2, "above 1"),
-    (channels.FINGER_RATE, lambda _: float("inf"), "not finite"),
-    (channels.HAND_POSE, lambda _: np.full(7, np.inf), "not finite"),
-    (channels.GAZE_TARGET, lambda _: np.full(3, np.nan), "not finite"),
-    (channels.JOINT_STATES, _joints(names=JOINT_NAMES[:-1]), "torso_yaw"),
-    (channels.JOINT_STATES, _joints(names=JOINT_NAMES[::-1]), "another order"),
-    (channels.JOINT_STATES, _joints(names=(*JOINT_NAMES[:-1], "tail")), "tail"),
-    (channels.JOINT_STATES, _joints(position=np.zeros(24)), "24 positions"),
-    (channels.JOINT_STATES, _joints(position=np.full(25, np.nan)), "not finite"),
-    (channels.IMAGE_BEFORE, lambda _: np.zeros((8, 8, 3), np.uint8), "too small"),
-    (channels.CAMERA, lambda _: CameraInfo(0, 240, np.eye(3), np.zeros(5), "eye"), "positive"),
-    (channels.CAMERA, lambda _: CameraInfo(320, 240, np.zeros((3, 3)), np.zeros(5), "eye"), "positive"),
-    (channels.TRUTH_SCENE, lambda _: "{", "no JSON"),
+    (topics.TACTILE, lambda _: np.full(9, 1.5), "above 1"),
+    (topics.TACTILE, lambda _: np.full(9, -0.1), "below 0"),
+    (topics.TACTILE, lambda _: np.full(9, np.nan), "not finite"),
+    (topics.TACTILE, lambda _: np.zeros(8), "8 values, 9 are expected"),
+    (topics.FINGER_RATE, lambda _: 1.2, "above 1"),
+    (topics.FINGER_RATE, lambda _: float("inf"), "not finite"),
+    (topics.HAND_POSE, lambda _: np.full(7, np.inf), "not finite"),
+    (topics.GAZE_TARGET, lambda _: np.full(3, np.nan), "not finite"),
+    (topics.JOINT_STATES, _joints(names=JOINT_NAMES[:-1]), "torso_yaw"),
+    (topics.JOINT_STATES, _joints(names=JOINT_NAMES[::-1]), "another order"),
+    (topics.JOINT_STATES, _joints(names=(*JOINT_NAMES[:-1], "tail")), "tail"),
+    (topics.JOINT_STATES, _joints(position=np.zeros(24)), "24 positions"),
+    (topics.JOINT_STATES, _joints(position=np.full(25, np.nan)), "not finite"),
+    (topics.IMAGE_BEFORE, lambda _: np.zeros((8, 8, 3), np.uint8), "too small"),
+    (topics.CAMERA, lambda _: CameraInfo(0, 240, np.eye(3), np.zeros(5), "eye"), "positive"),
+    (topics.CAMERA, lambda _: CameraInfo(320, 240, np.zeros((3, 3)), np.zeros(5), "eye"), "positive"),
+    (topics.TRUTH_SCENE, lambda _: "{", "no JSON"),
 ]
 
 
@@ -152,13 +152,13 @@ def test_bad_truth(change: dict[str, object], trials: list[Log]) -> None:
     def altered(value: Value) -> Value:
         return json.dumps({**json.loads(str(value)), **change})
 
-    with pytest.raises(LogError, match=channels.TRUTH_SCENE):
-        truth(_with(trials[0], channels.TRUTH_SCENE, altered))
+    with pytest.raises(LogError, match=topics.TRUTH_SCENE):
+        truth(_with(trials[0], topics.TRUTH_SCENE, altered))
 
 
 def test_joint_states_are_typed(trials: list[Log]) -> None:
     assert all(
         isinstance(message.value, JointState)
         for message in trials[0].messages
-        if message.topic == channels.JOINT_STATES
+        if message.topic == topics.JOINT_STATES
     )

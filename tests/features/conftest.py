@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from data_collection.joints import JOINT_NAMES
-from data_collection.log import channels
+from data_collection.log import topics
 from data_collection.log.mcap_log import Log, Message
 from data_collection.log.messages import CameraInfo, JointState
 
@@ -125,7 +125,7 @@ class Logs:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.camera = CameraInfo(WIDTH, HEIGHT, scene.matrix, np.zeros(5), channels.CAMERA_FRAME)
+        self.camera = CameraInfo(WIDTH, HEIGHT, scene.matrix, np.zeros(5), topics.CAMERA_FRAME)
 
     def calibration(self) -> Log:
         marks = self.scene.marks
@@ -133,11 +133,11 @@ class Logs:
         return Log(
             {"set": "calibration"},
             (
-                Message(channels.CAMERA, 0, self.camera),
-                Message(channels.CALIBRATION_EMPTY, 0, self.scene.empty()),
-                Message(channels.CALIBRATION_MARKS, 0, self.scene.marked()),
-                Message(channels.CALIBRATION_POSITIONS, 0, poses),
-                Message(channels.CALIBRATION_PATTERN, 0, json.dumps({"rows": 5, "columns": 6})),
+                Message(topics.CAMERA, 0, self.camera),
+                Message(topics.CALIBRATION_EMPTY, 0, self.scene.empty()),
+                Message(topics.CALIBRATION_MARKS, 0, self.scene.marked()),
+                Message(topics.CALIBRATION_POSITIONS, 0, poses),
+                Message(topics.CALIBRATION_PATTERN, 0, json.dumps({"rows": 5, "columns": 6})),
             ),
         )
 
@@ -155,23 +155,23 @@ class Logs:
             for s in solids
         ]  # fmt: skip
         messages = [
-            Message(channels.IMAGE_BEFORE, 0, image),
-            Message(channels.CAMERA, 0, self.camera),
-            Message(channels.JOINT_LOWER, 0, joints(np.full(JOINTS, -1.0))),
-            Message(channels.JOINT_UPPER, 0, joints(np.full(JOINTS, 1.0))),
-            Message(channels.JOINT_STATES, 1, joints(random.uniform(-1, 1, JOINTS))),
-            Message(channels.TACTILE, 1, random.uniform(0, 1, 9)),
-            Message(channels.HAND_POSE, 1, np.array([one.x + 0.01, one.y, -0.02, 0, 0, 0, 1])),
-            Message(channels.SENTENCE, 2, f"touch {COLOR_WORDS[one.color]}" if number % 3 else ""),
-            Message(channels.TRUTH_SCENE, 2, json.dumps({"objects": objects, "attended": attended})),
-            Message(channels.TRUTH_OUTCOME, 2, json.dumps({"word": "touch"})),
+            Message(topics.IMAGE_BEFORE, 0, image),
+            Message(topics.CAMERA, 0, self.camera),
+            Message(topics.JOINT_LOWER, 0, joints(np.full(JOINTS, -1.0))),
+            Message(topics.JOINT_UPPER, 0, joints(np.full(JOINTS, 1.0))),
+            Message(topics.JOINT_STATES, 1, joints(random.uniform(-1, 1, JOINTS))),
+            Message(topics.TACTILE, 1, random.uniform(0, 1, 9)),
+            Message(topics.HAND_POSE, 1, np.array([one.x + 0.01, one.y, -0.02, 0, 0, 0, 1])),
+            Message(topics.SENTENCE, 2, f"touch {COLOR_WORDS[one.color]}" if number % 3 else ""),
+            Message(topics.TRUTH_SCENE, 2, json.dumps({"objects": objects, "attended": attended})),
+            Message(topics.TRUTH_OUTCOME, 2, json.dumps({"word": "touch"})),
         ]
         if acted:
             messages += [
-                Message(channels.IMAGE_GAZE, 1, image),
-                Message(channels.IMAGE_AFTER, 1, image),
-                Message(channels.FINGER_RATE, 1, float(random.uniform(0, 1))),
-                Message(channels.GAZE_TARGET, 1, np.array([one.x, one.y, 0.0])),
+                Message(topics.IMAGE_GAZE, 1, image),
+                Message(topics.IMAGE_AFTER, 1, image),
+                Message(topics.FINGER_RATE, 1, float(random.uniform(0, 1))),
+                Message(topics.GAZE_TARGET, 1, np.array([one.x, one.y, 0.0])),
             ]
         name = "train" if acted else "generation"
         return Log({"set": name, "trial": str(number)}, tuple(sorted(messages, key=lambda m: m.time)))

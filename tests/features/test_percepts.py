@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from data_collection.log import channels, codec
+from data_collection.log import codec, topics
 from data_collection.log.mcap_log import Log, LogError, read_log, write_log
 from features.arrays import ArtifactError
 from features.extraction_settings import FeatureSettings
@@ -36,7 +36,7 @@ def same(one: Percepts, other: Percepts, *, but: tuple[str, ...] = ()) -> bool:
 
 
 def without_truth(log: Log) -> Log:
-    kept = tuple(m for m in log.messages if not m.topic.startswith(channels.TRUTH_PREFIX))
+    kept = tuple(m for m in log.messages if not m.topic.startswith(topics.TRUTH_PREFIX))
     return replace(log, messages=kept)
 
 
@@ -71,12 +71,12 @@ def test_the_gaze_tells_the_attended_object_whatever_the_truth_says(logs: Any) -
     log = next(log for log in logs.trials(8) if len(json.loads(scene_of(log))["objects"]) == 3)
     expected = perceive([without_truth(log)], logs.calibration(), SETTINGS).attended_object
     for attended in range(3):
-        told = changed(log, channels.TRUTH_SCENE, json.dumps(json.loads(scene_of(log)) | {"attended": attended}))
+        told = changed(log, topics.TRUTH_SCENE, json.dumps(json.loads(scene_of(log)) | {"attended": attended}))
         assert perceive([told], logs.calibration(), SETTINGS).attended_object == expected
 
 
 def scene_of(log: Log) -> str:
-    return next(str(m.value) for m in log.messages if m.topic == channels.TRUTH_SCENE)
+    return next(str(m.value) for m in log.messages if m.topic == topics.TRUTH_SCENE)
 
 
 def test_an_instruction_has_no_action_and_its_object_is_truth_only(logs: Any) -> None:
@@ -147,7 +147,7 @@ def crowded(logs: Any) -> Log:
     image = logs.scene.empty().copy()
     for column in (40, 100, 160, 220, 280):
         image[100:130, column - 12 : column + 12] = (200, 30, 30)
-    return changed(log, channels.IMAGE_BEFORE, image)
+    return changed(log, topics.IMAGE_BEFORE, image)
 
 
 def changed(log: Log, topic: str, value: Any) -> Log:
@@ -157,7 +157,7 @@ def changed(log: Log, topic: str, value: Any) -> Log:
 def test_a_wrong_count_is_an_error_that_names_the_trial(logs: Any) -> None:
     with pytest.raises(DetectionError, match="trial 1: 5 objects found; expected 1 to 3"):
         perceive([crowded(logs)], logs.calibration(), SETTINGS)
-    empty = changed(logs.trials(1)[0], channels.IMAGE_BEFORE, logs.scene.empty())
+    empty = changed(logs.trials(1)[0], topics.IMAGE_BEFORE, logs.scene.empty())
     with pytest.raises(DetectionError, match="trial 1: 0 objects found; expected 1 to 3"):
         perceive([empty], logs.calibration(), SETTINGS)
 
@@ -183,7 +183,7 @@ def test_a_wrong_count_is_dropped_and_counted_where_so_set(
 def test_dropped_trials_stay_known(logs: Any, tmp_path: Path) -> None:
     """In the artifact, in a block that is joined to others, and not among the first D before it."""
     early = perceive(logs.trials(2), logs.calibration(), DROP)
-    full = changed(logs.trials(1, first=4)[0], channels.IMAGE_BEFORE, scene_image(crowded(logs)))
+    full = changed(logs.trials(1, first=4)[0], topics.IMAGE_BEFORE, scene_image(crowded(logs)))
     late = perceive([full, *logs.trials(1, first=3), *logs.trials(1, first=5)], logs.calibration(), DROP)
     save_percepts(tmp_path / "late.npz", late)
     joined = join([load_percepts(tmp_path / "late.npz"), early])
@@ -194,7 +194,7 @@ def test_dropped_trials_stay_known(logs: Any, tmp_path: Path) -> None:
 
 
 def scene_image(log: Log) -> Any:
-    return next(m.value for m in log.messages if m.topic == channels.IMAGE_BEFORE)
+    return next(m.value for m in log.messages if m.topic == topics.IMAGE_BEFORE)
 
 
 def test_a_corrupt_image_in_a_log_is_refused_by_name(logs: Any, tmp_path: Path) -> None:
@@ -218,6 +218,6 @@ def test_an_image_that_is_no_image_is_refused_by_name(
 
 
 def test_an_image_of_another_size_is_refused(logs: Any) -> None:
-    log = changed(logs.trials(1)[0], channels.IMAGE_BEFORE, np.zeros((120, 160, 3), dtype=np.uint8))
+    log = changed(logs.trials(1)[0], topics.IMAGE_BEFORE, np.zeros((120, 160, 3), dtype=np.uint8))
     with pytest.raises(ValueError, match=r"trial 1: images of shapes \(120, 160, 3\) and \(240, 320, 3\)"):
         perceive([log], logs.calibration(), SETTINGS)

@@ -179,7 +179,7 @@ def _table_problems(study: Study, experiment: Experiment) -> Iterator[str]:
 
 
 def _problems_of_set(study: Study, experiment: Experiment, set_name: str) -> Iterator[str]:
-    from features.table import check_table, read_table
+    from features.table import TableError, import_table
 
     where = key_path(["experiments", experiment.name, "features", *([] if set_name == "train" else [set_name])])
     paths = feature_files(study, experiment.name, set_name)
@@ -190,11 +190,13 @@ def _problems_of_set(study: Study, experiment: Experiment, set_name: str) -> Ite
         yield from missing
         return
     need_attention = set_name != "generation"
-    problems = check_table(paths["trials"], paths["objects"], words=experiment.words, need_attention=need_attention)
-    if problems or set_name != "train":
-        yield from (f"{where}: {problem}" for problem in problems)
+    try:
+        table = import_table(**paths, words=experiment.words, need_attention=need_attention)
+    except TableError as error:
+        yield from (f"{where}: {problem}" for problem in error.problems)
         return
-    table = read_table(paths["trials"], paths["objects"], need_attention=True)
+    if set_name != "train":
+        return
     for user in study.experiments.values():
         if user.data != experiment.name:
             continue

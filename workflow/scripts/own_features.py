@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from features.table import head, read_table, write_table
+from features.table import head, import_table, write_table
 from workflow.execution.job import job
 
 with job(snakemake):
     train = snakemake.wildcards.set == "train"
-    table = read_table(
+    table = import_table(
         Path(snakemake.input.trials),
         Path(snakemake.input.objects),
         need_attention=snakemake.wildcards.set != "generation",

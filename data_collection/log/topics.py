@@ -19,7 +19,7 @@ TRUTH_PREFIX = "/truth/"
 
 @dataclass(frozen=True)
 class Value:
-    """What the messages of a channel hold.
+    """What the messages of a topic hold.
 
     Attributes:
         type: ROS 2 message type.
@@ -41,11 +41,11 @@ class Value:
 
 
 @dataclass(frozen=True)
-class Channel:
+class Topic:
     """One signal.
 
     Attributes:
-        topic: ROS topic.
+        name: of the ROS topic.
         value: What its messages hold.
         meaning: What it is, and how often.
         required: Kinds of log that must have it.
@@ -53,7 +53,7 @@ class Channel:
         once: Whether it may come only once in a log.
     """
 
-    topic: str
+    name: str
     value: Value
     meaning: str
     required: tuple[LogKind, ...] = ()
@@ -114,66 +114,66 @@ _POSE = Value(POSE, "(7,)", _METRES, ROOT_FRAME, 7, -_REACH, _REACH)
 _RATE = Value(NUMBER, "()", "0 open .. 1 closed", "", None, 0.0, 1.0)
 _WORDS = Value(TEXT, "words", "separated by blanks")
 
-CHANNELS: tuple[Channel, ...] = (
-    Channel(IMAGE_BEFORE, _PICTURE, "objects on the table, rest posture", _BOTH, once=True),
-    Channel(IMAGE_GAZE, _PICTURE, "while the robot looks at the object", _TRIAL, once=True),
-    Channel(IMAGE_AFTER, _PICTURE, "when the action is over", _TRIAL, once=True),
-    Channel(
+TOPICS: tuple[Topic, ...] = (
+    Topic(IMAGE_BEFORE, _PICTURE, "objects on the table, rest posture", _BOTH, once=True),
+    Topic(IMAGE_GAZE, _PICTURE, "while the robot looks at the object", _TRIAL, once=True),
+    Topic(IMAGE_AFTER, _PICTURE, "when the action is over", _TRIAL, once=True),
+    Topic(
         CAMERA,
         Value(CAMERA_INFO, "K (3, 3), D (5,)", "pixels", CAMERA_FRAME),
         "intrinsics as the robot knows them",
         _ALL,
         once=True,
     ),
-    Channel(JOINT_STATES, _ENCODERS, "encoders at a fixed rate; the last one is the end of the action", _BOTH),
-    Channel(JOINT_LOWER, _LIMITS, "lower limits of the joints", _BOTH, once=True),
-    Channel(JOINT_UPPER, _LIMITS, "upper limits of the joints", _BOTH, once=True),
-    Channel(TACTILE, _TOUCH, "five fingertips, four palm patches; the last one counts", _BOTH),
-    Channel(HAND_POSE, _POSE, "grasp point of the right hand; the last one counts", _BOTH),
-    Channel(HAND_TARGET, _PLACE, "where the hand was sent, absent when it was not", optional=_TRIAL),
-    Channel(FINGER_RATE, _RATE, "commanded bend of the five fingers", _TRIAL, once=True),
-    Channel(GAZE_TARGET, _PLACE, "commanded fixation point", _TRIAL, once=True),
-    Channel(SENTENCE, _WORDS, "what the tutor says, may be empty", _BOTH, once=True),
-    Channel(
+    Topic(JOINT_STATES, _ENCODERS, "encoders at a fixed rate; the last one is the end of the action", _BOTH),
+    Topic(JOINT_LOWER, _LIMITS, "lower limits of the joints", _BOTH, once=True),
+    Topic(JOINT_UPPER, _LIMITS, "upper limits of the joints", _BOTH, once=True),
+    Topic(TACTILE, _TOUCH, "five fingertips, four palm patches; the last one counts", _BOTH),
+    Topic(HAND_POSE, _POSE, "grasp point of the right hand; the last one counts", _BOTH),
+    Topic(HAND_TARGET, _PLACE, "where the hand was sent, absent when it was not", optional=_TRIAL),
+    Topic(FINGER_RATE, _RATE, "commanded bend of the five fingers", _TRIAL, once=True),
+    Topic(GAZE_TARGET, _PLACE, "commanded fixation point", _TRIAL, once=True),
+    Topic(SENTENCE, _WORDS, "what the tutor says, may be empty", _BOTH, once=True),
+    Topic(
         TF, Value(TRANSFORMS, "n × (7,)", _METRES, ROOT_FRAME), "poses of the links and of the camera", optional=_ALL
     ),
-    Channel(
+    Topic(
         ROBOT_DESCRIPTION,
         Value(TEXT, "URDF", ""),
         "the robot, meshes by package:// paths",
         optional=_ALL,
         once=True,
     ),
-    Channel(
+    Topic(
         TRUTH_SCENE,
         Value(TEXT, "JSON", "m", ROOT_FRAME),
         "objects, their words and positions, the attended one",
         optional=_BOTH,
         once=True,
     ),
-    Channel(
+    Topic(
         TRUTH_POSES,
         Value(POSES, "(M, 7)", _METRES, ROOT_FRAME, None, -_REACH, _REACH),
         "poses of the objects with each joint state",
         optional=_BOTH,
     ),
-    Channel(
+    Topic(
         TRUTH_OUTCOME,
         Value(TEXT, "JSON", "m, N", ROOT_FRAME),
         "what physically happened and the action word for it",
         optional=_BOTH,
         once=True,
     ),
-    Channel(CALIBRATION_EMPTY, _PICTURE, "empty table, rest posture", _CALIBRATION, once=True),
-    Channel(CALIBRATION_MARKS, _PICTURE, "dark dots on the table, rest posture", _CALIBRATION, once=True),
-    Channel(
+    Topic(CALIBRATION_EMPTY, _PICTURE, "empty table, rest posture", _CALIBRATION, once=True),
+    Topic(CALIBRATION_MARKS, _PICTURE, "dark dots on the table, rest posture", _CALIBRATION, once=True),
+    Topic(
         CALIBRATION_POSITIONS,
         Value(POSES, "(N, 7)", _METRES, ROOT_FRAME, None, -_REACH, _REACH),
         "measured positions of the dots, by rows from far to near, each from left to right",
         _CALIBRATION,
         once=True,
     ),
-    Channel(
+    Topic(
         CALIBRATION_PATTERN,
         Value(TEXT, "JSON", ""),
         'grid of the dots: {"rows": r, "columns": c}',
@@ -182,4 +182,4 @@ CHANNELS: tuple[Channel, ...] = (
     ),
 )
 
-BY_TOPIC: dict[str, Channel] = {channel.topic: channel for channel in CHANNELS}
+BY_TOPIC: dict[str, Topic] = {topic.name: topic for topic in TOPICS}

@@ -6,6 +6,10 @@ MAX_TABLE_ROWS = 2_000_000
 """Rows of a Parquet file, and texts in one of its columns."""
 MAX_TABLE_VALUES = 50_000_000
 """Numbers in one column of a Parquet file (rows × list length)."""
+MAX_READER_BYTES = 6 * MAX_TABLE_BYTES
+"""Address space of a process that reads a stranger's Parquet file: the file, its columns, and copies of these."""
+MAX_READER_SECONDS = 120
+"""Time that it may take."""
 
 MAX_VECTOR_LENGTH = 1000
 """Numbers of one vector of features; the model squares it."""
