@@ -77,7 +77,7 @@ def parts_of_code(code: str) -> dict[str, str]:
 
 
 def imported_files(*scripts: Path) -> set[Path]:
-    """The scripts and the project files that they import, directly or not: with package markers, without machinery."""
+    """The scripts and the project files that they import, directly or not; without machinery."""
     found: set[Path] = set()
     waiting = [script.resolve() for script in scripts]
     while waiting:
