@@ -6,11 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
-from evaluation.measure import Measure, Words
-from evaluation.metrics import accuracy, f1_macro
 from evaluation.scores import write_csv
 from features.table import FeatureTable
 from model import Fit
@@ -37,7 +34,7 @@ class Descriptions:
     described: tuple[str, ...]
 
 
-def describe_trials(fit: Fit, table: FeatureTable, words: Words) -> Descriptions:
+def describe_trials(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[str]]) -> Descriptions:
     """Describe each trial of a table, word by word, and pair each word with the tutor's.
 
     Args:
@@ -64,32 +61,6 @@ def describe_trials(fit: Fit, table: FeatureTable, words: Words) -> Descriptions
     ]
     trial, channel_of, true, described = zip(*pairs, strict=True) if pairs else ((), (), (), ())
     return Descriptions(trial, channel_of, true, described)
-
-
-def _f1(told: Descriptions, words: Words) -> float | None:
-    return f1_macro(told.true, told.described)
-
-
-def _acc(told: Descriptions, words: Words) -> float | None:
-    return accuracy(told.true, told.described)
-
-
-def _acc_chance(told: Descriptions, words: Words) -> float | None:
-    """Higher than of a word at random from the whole vocabulary: the channel of each place in a sentence is given."""
-    levels = [1 / len(words[channel]) for channel in told.channel]
-    return float(np.mean(levels)) if levels else None
-
-
-MEASURES = (
-    Measure("F1", _f1),
-    Measure(
-        "ACC",
-        _acc,
-        chance=_acc_chance,
-        by_chance="a word of the right channel at random (the mean of 1 / number of words of the channel over the "
-        "words to say)",
-    ),
-)
 
 
 def write_descriptions(conditions: Sequence[Mapping[str, object]], told: Sequence[Descriptions], path: Path) -> None:

@@ -15,7 +15,7 @@ from evaluation.catalogue import cell_name, paper_table_with
 from evaluation.claims.judging import FAILS, HOLDS, NOT_RUN, OPEN, Cell, Comparison, combine, judge
 from evaluation.claims.paper import ACTION_WORDS, CLAIMS, Claim, confused
 from evaluation.differences import signed
-from evaluation.measures import MEASURES, shown
+from evaluation.measures import MEASURES
 from evaluation.metrics import confusion
 from evaluation.scores import COLUMNS, CONDITION
 
@@ -103,7 +103,7 @@ def _paper(rows: pd.DataFrame) -> pd.DataFrame:
 
 def link(cell: Cell) -> str:
     """Where a cell is shown, from the output folder: a place in the page of one of the paper's tables, or a file."""
-    task = next((task for task in MEASURES if cell.measure in shown([task])), "")
+    task = {measure.name: measure.task for measure in MEASURES}.get(cell.measure, "")
     table = paper_table_with(cell.experiment, task, cell.D)
     if table is None:
         return f"descriptions/{cell.experiment}_D{cell.D}.csv"

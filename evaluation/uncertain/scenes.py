@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from evaluation.generation import objects_of
-from evaluation.measure import Words
+from evaluation.measures import Words
 from features.table import FeatureTable
 from model.data import Floats
 

@@ -9,8 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from evaluation.learning import Learned
-from evaluation.measures import measured
+from evaluation.measures import Learned, measured
 from evaluation.scores import COLUMNS, join_scores, read_scores, score_rows, write_scores
 from features.table import FeatureTable
 from model import Fit

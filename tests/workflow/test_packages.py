@@ -46,7 +46,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "evaluation.uncertain",
         "evaluation.catalogue",
         "evaluation.generation",
-        "evaluation.measure",
+        "evaluation.measures",
         "evaluation.scores",
         "evaluation.table_forms",
         "evaluation.tables",
