@@ -28,12 +28,12 @@ class Measure:
 
     Attributes:
         task: `csl`, taken of what was `Learned`; `generation`, of what `generation.read_answers` gives;
-            `description`, of `description.Descriptions`.
-        name: what `scores.csv` and tables call it.
-        of: its value; None where it is not defined.
-        in_tables: whether tables show it.
-        chance: what chance would give; None where nobody asks.
-        by_chance: what that is, as the notes of tables say it.
+            `description`, of what `description.describe_trials` gives.
+        name: What `scores.csv` and tables call it.
+        of: Its value; None where it is not defined.
+        in_tables: Whether tables show it.
+        chance: What chance would give; None where nobody asks.
+        by_chance: What that is, as the notes of tables say it.
     """
 
     task: str
@@ -110,13 +110,13 @@ MEASURES = (
         chance=lambda answered, words: _mean(1 / answered.loc[answered["object_right"].notna(), "objects"]),
         by_chance="an object at random (the mean of 1 / number of objects over the instructions)",
     ),
-    Measure("description", "F1", lambda told, words: f1_macro(told.true, told.described)),
+    Measure("description", "F1", lambda told, words: f1_macro(list(told["true"]), list(told["described"]))),
     # The channel of each place in a sentence is given: a word at random from the whole vocabulary would do worse.
     Measure(
         "description",
         "ACC",
-        lambda told, words: accuracy(told.true, told.described),
-        chance=lambda told, words: _mean(1 / len(words[channel]) for channel in told.channel),
+        lambda told, words: accuracy(list(told["true"]), list(told["described"])),
+        chance=lambda told, words: _mean(1 / len(words[channel]) for channel in told["channel"]),
         by_chance="a word of the right channel at random (the mean of 1 / number of words of the channel over the "
         "words to say)",
     ),

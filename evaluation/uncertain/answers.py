@@ -34,8 +34,8 @@ def measures_of(answer: Answer, instruction: Instruction) -> dict[str, float | N
     """Measure one answer; see docs/tasks.md for the definitions. A measure is None where it is not defined.
 
     Args:
-        answer: the distribution over objects and action categories.
-        instruction: what was said, and which objects fit.
+        answer: The distribution over objects and action categories.
+        instruction: What was said, and which objects fit.
     """
     probability, chosen = object_probabilities(answer), [m for m, _ in answer.choices()]
     M, fits, instructed = len(probability), instruction.fits, instruction.scene.instructed
@@ -72,9 +72,9 @@ def answer_uncertain(
     """Let a fit answer uncertain instructions.
 
     Args:
-        condition: the names of the fit.
-        fit: what the robot learned.
-        asked: the instructions.
+        condition: The names of the fit.
+        fit: What the robot learned.
+        asked: The instructions.
 
     Returns:
         A row per instruction: condition, trial, kind, sentence, the words that training never saw and that were

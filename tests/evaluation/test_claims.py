@@ -12,7 +12,8 @@ import pytest
 
 from evaluation.catalogue import tables_of
 from evaluation.claims.paper import ACTION_WORDS, CLAIMS
-from evaluation.claims.verdicts import description_scores, judge_claims, read_descriptions
+from evaluation.claims.verdicts import description_scores, judge_claims
+from evaluation.description import read_descriptions
 from evaluation.measures import MEASURES
 from evaluation.metrics import f1_macro
 from evaluation.pages.claims import claims_html, write_claims

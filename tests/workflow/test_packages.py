@@ -67,7 +67,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "evaluation/figures": (
         "evaluation.figures",
         "evaluation.uncertain",
-        "evaluation.best_fit",
         "evaluation.confusion",
         "evaluation.generation",
         "evaluation.scores",
