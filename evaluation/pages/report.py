@@ -72,13 +72,13 @@ def _listing(values: pd.Series[Any]) -> str:
     return ", ".join(str(value) for value in sorted(values.unique()))
 
 
-def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame | None, anchors: Collection[str]) -> Section:
+def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame, anchors: Collection[str]) -> Section:
     """The paper's claims, and which of them hold here.
 
     Args:
         claimed: A row per claim; all columns are shown. Those called `claim`, `verdict` and `rests_on` become anchors
             `claim_1` …, marks, and links.
-        comparisons: A row per comparison on which a claim rests, likewise; None where there are none.
+        comparisons: A row per comparison on which a claim rests, likewise.
         anchors: The anchors of the page, to which links to files of their names lead.
     """
 
@@ -93,15 +93,13 @@ def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame | None, anchors: Col
         return f'<span id="claim_{shown}">{shown}</span>' if column == "claim" else shown
 
     text = "<p>What the paper claims, and what this study finds. A claim that does not hold here is a finding.</p>"
-    if "verdict" in claimed:
-        counts = claimed["verdict"].value_counts(sort=False)
-        text += f"<p>Verdicts: {escape(', '.join(f'{verdict} {n}' for verdict, n in counts.items()))}.</p>"
+    counts = claimed["verdict"].value_counts(sort=False)
+    text += f"<p>Verdicts: {escape(', '.join(f'{verdict} {n}' for verdict, n in counts.items()))}.</p>"
     # The verdict must not be where only scrolling leads.
-    first = [column for column in ("claim", "text", "verdict") if column in claimed]
+    first = ["claim", "text", "verdict"]
     text += table(claimed[[*first, *claimed.columns.drop(first)]], cell_of_claim)
-    if comparisons is not None:
-        text += f"<details><summary>The {len(comparisons)} comparisons behind them</summary>"
-        text += f"{table(comparisons, cell)}</details>"
+    text += f"<details><summary>The {len(comparisons)} comparisons behind them</summary>"
+    text += f"{table(comparisons, cell)}</details>"
     return Section("claims", "Claims of the paper", text)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from evaluation.scores import ROW_KEYS, SHARED, write_csv
+from evaluation.scores import ROW_KEYS, SHARED
 from evaluation.uncertain.instructions import KINDS, Instruction
 from model import Fit
 from model.data import Floats
@@ -97,13 +97,8 @@ def answer_uncertain(
     return rows
 
 
-def write_uncertain(rows: Iterable[Mapping[str, object]], path: Path) -> None:
-    """Write the rows of all fits as CSV; a value that is not defined is an empty field."""
-    write_csv(pd.DataFrame(list(rows)), path)
-
-
 def read_uncertain(paths: Iterable[Path]) -> pd.DataFrame:
-    """Read and join what `write_uncertain` wrote."""
+    """Read and join files of the rows of `answer_uncertain`."""
     text = dict.fromkeys(("instruction", "ignored", "chosen"), str)
     return pd.concat([pd.read_csv(path, dtype=text) for path in paths], ignore_index=True)
 
