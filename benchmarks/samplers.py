@@ -35,8 +35,7 @@ def fit_and_measure(
     """One fit and its measures; the same words are omitted for all methods and samplers of a seed."""
     import numpy as np
 
-    from evaluation.learning import Learned
-    from evaluation.measures import measured
+    from evaluation.measures import Learned, measured
     from model import Prior, Problem, Trials, fit
     from model.diagnostics import diagnose
     from model.omission import kept_words

@@ -35,11 +35,11 @@ def commands(
     a learned look-at is.
 
     Args:
-        rng: decides between tied choices.
-        fit: what the robot learned.
-        transforms: fitted with the features that the fit has seen; they undo the scaling of actions.
-        table: the instructions' scenes.
-        answered: how the robot understands each instruction.
+        rng: Decides between tied choices.
+        fit: What the robot learned.
+        transforms: Fitted with the features that the fit has seen; they undo the scaling of actions.
+        table: The instructions' scenes.
+        answered: How the robot understands each instruction.
         rest: (D, 3) where the hand rests in each scene, metres, robot frame.
     """
     told = []
@@ -70,12 +70,12 @@ def carry_out(
     """Carry out actions in the simulated scenes of instructions; the tutor's word for what happened in each.
 
     Args:
-        simulation: settings of the experiment whose scenes they are.
-        told: what to do in which scene.
-        experiment: its name.
-        seed: of its data.
-        provenance: further metadata of the logs.
-        folder: where the log of each is written, `trial_0001.mcap`, …
+        simulation: Settings of the experiment whose scenes they are.
+        told: What to do in which scene.
+        experiment: Its name.
+        seed: Of its data.
+        provenance: Further metadata of the logs.
+        folder: Where the log of each is written, `trial_0001.mcap`, …
     """
     words = []
     logs = execute(simulation, experiment=experiment, seed=seed, commands=told, provenance=provenance)

@@ -14,12 +14,12 @@ class Figure:
     """One kind of figure; an experiment has it where the study has its inputs, as `figures/{experiment}_{name}`.
 
     Attributes:
-        draw: the function that draws it, `module:function` of `evaluation.figures`; it is given a
+        draw: The function that draws it, `module:function` of `evaluation.figures`; it is given a
             `evaluation.figures.source.Source`.
-        inputs: what it is drawn from: a key of `FIGURE_INPUTS` in `workflow/rules/presentation_functions.smk`.
-        caption: what is seen, in one to three sentences.
-        paper: what the paper calls it, in Experiments I and II; None for a figure that the paper does not have.
-        forms: the endings of its files; pages show the first.
+        inputs: What it is drawn from: a key of `FIGURE_INPUTS` in `workflow/rules/presentation_functions.smk`.
+        caption: What is seen, in one to three sentences.
+        paper: What the paper calls it, in Experiments I and II; None for a figure that the paper does not have.
+        forms: The endings of its files; pages show the first.
     """
 
     draw: str
@@ -132,9 +132,9 @@ class ShownFigure:
     """A figure of a study, as pages show it.
 
     Attributes:
-        path: its file, below the output folder.
-        title: its heading.
-        caption: what is seen.
+        path: Its file, below the output folder.
+        title: Its heading.
+        caption: What is seen.
     """
 
     path: str
@@ -154,11 +154,11 @@ class Table:
     """One table: the part of the scores, or of the answers to uncertain instructions, that it shows.
 
     Attributes:
-        title: its heading.
-        experiment: the experiment that it shows.
-        tasks: those whose measures are its columns.
-        D: the one number of trials that it shows, None for all.
-        without: the variants that it leaves out.
+        title: Its heading.
+        experiment: The experiment that it shows.
+        tasks: Those whose measures are its columns.
+        D: The one number of trials that it shows, None for all.
+        without: The variants that it leaves out.
     """
 
     title: str
@@ -200,8 +200,8 @@ def tables_of(
     A table of several tasks shows those that are run.
 
     Args:
-        conditions: each (experiment, task, D) that is run.
-        partial: by experiment, the variants that are run for a part of the conditions only, as for one figure; the
+        conditions: Each (experiment, task, D) that is run.
+        partial: By experiment, the variants that are run for a part of the conditions only, as for one figure; the
             paper's tables leave them out, and those of the experiment show them.
     """
     run = set(conditions)

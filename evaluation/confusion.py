@@ -21,8 +21,8 @@ def count_confusions(described: pd.DataFrame, words: Mapping[str, Sequence[str]]
     """Count how often each true word was described as each word, over the seeds and trials of each condition.
 
     Args:
-        described: the columns that `evaluation.description.write_descriptions` writes, a row per pair of words.
-        words: the words by channel; they give the order.
+        described: What `evaluation.description.read_descriptions` gives.
+        words: The words by channel; they give the order.
 
     Returns:
         Columns `SEEDS` of `evaluation.scores`, `true`, `described`, `count`: a row for each condition, in the order

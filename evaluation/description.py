@@ -3,50 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
-from evaluation.measure import Measure, Words
-from evaluation.metrics import accuracy, f1_macro
-from evaluation.scores import write_csv
+from evaluation.scores import CONDITION
 from features.table import FeatureTable
 from model import Fit
 from model.prediction import describe
 
 # The fixed frame of a description: action, position, color, object.
 FRAME = ("action", "position", "color", "object")
+COLUMNS = ["trial", "channel", "true", "described"]
 
 
-@dataclass(frozen=True)
-class Descriptions:
-    """True and described words, a pair for each word that the tutor said of a trial.
-
-    Attributes:
-        trial: the trial of each pair.
-        channel: the channel of each pair.
-        true: what the tutor said.
-        described: what the robot says.
-    """
-
-    trial: tuple[int, ...]
-    channel: tuple[str, ...]
-    true: tuple[str, ...]
-    described: tuple[str, ...]
-
-
-def describe_trials(fit: Fit, table: FeatureTable, words: Words) -> Descriptions:
+def describe_trials(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[str]]) -> pd.DataFrame:
     """Describe each trial of a table, word by word, and pair each word with the tutor's.
 
     Args:
-        fit: what the robot learned.
-        table: the trials, with attended objects and the tutor's sentences.
-        words: the words by channel; a tutor's word of no channel is left out.
+        fit: What the robot learned.
+        table: The trials, with attended objects and the tutor's sentences.
+        words: The words by channel; a tutor's word of no channel is left out.
+
+    Returns:
+        A row for each word that the tutor said of a trial; columns `COLUMNS`: `true` is the tutor's word, and
+        `described` what the robot says for the channel.
 
     Raises:
-        ValueError: the robot learned without words.
+        ValueError: The robot learned without words.
     """
     attended = {
         "action": table.action,
@@ -62,41 +46,10 @@ def describe_trials(fit: Fit, table: FeatureTable, words: Words) -> Descriptions
         for word in sentence
         if word in words[channel]
     ]
-    trial, channel_of, true, described = zip(*pairs, strict=True) if pairs else ((), (), (), ())
-    return Descriptions(trial, channel_of, true, described)
+    return pd.DataFrame(pairs, columns=COLUMNS)
 
 
-def _f1(told: Descriptions, words: Words) -> float | None:
-    return f1_macro(told.true, told.described)
-
-
-def _acc(told: Descriptions, words: Words) -> float | None:
-    return accuracy(told.true, told.described)
-
-
-def _acc_chance(told: Descriptions, words: Words) -> float | None:
-    """Higher than of a word at random from the whole vocabulary: the channel of each place in a sentence is given."""
-    levels = [1 / len(words[channel]) for channel in told.channel]
-    return float(np.mean(levels)) if levels else None
-
-
-MEASURES = (
-    Measure("F1", _f1),
-    Measure(
-        "ACC",
-        _acc,
-        chance=_acc_chance,
-        by_chance="a word of the right channel at random (the mean of 1 / number of words of the channel over the "
-        "words to say)",
-    ),
-)
-
-
-def write_descriptions(conditions: Sequence[Mapping[str, object]], told: Sequence[Descriptions], path: Path) -> None:
-    """Write every pair of a true and a described word, a row each, with the condition of the fit that described."""
-    frames = [
-        pd.DataFrame(asdict(one)).assign(**condition)  # type: ignore[arg-type]
-        for condition, one in zip(conditions, told, strict=True)
-    ]
-    names = [*conditions[0], "trial", "channel", "true", "described"]
-    write_csv(pd.concat(frames)[names], path)
+def read_descriptions(paths: Sequence[Path]) -> pd.DataFrame:
+    """Read and join files of descriptions, whose rows name the fit as well; without files, no rows."""
+    frames = [pd.read_csv(path, keep_default_na=False) for path in paths]
+    return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=[*CONDITION, *COLUMNS])

@@ -57,8 +57,8 @@ def differences(scores: pd.DataFrame, measures: Sequence[str]) -> pd.DataFrame:
     """The differences of `PAIRS` over the seeds that both methods have.
 
     Args:
-        scores: rows of `scores.csv` of one experiment.
-        measures: which measures, in this order.
+        scores: Rows of `scores.csv` of one experiment.
+        measures: Which measures, in this order.
 
     Returns:
         One row for each condition, pair and measure that some seed defines for both methods; columns `COLUMNS`:

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from evaluation.measure import Measure, Words
 from evaluation.scores import write_csv
 from features.table import FeatureTable
 from model import Fit
@@ -77,40 +76,3 @@ def _object_right(answer: Answer, instructed: int) -> float | None:
 def read_answers(path: Path) -> pd.DataFrame:
     """Read what `write_answers` wrote."""
     return pd.read_csv(path, dtype={"chosen": str, "category": str, "action": str, "judged": str})
-
-
-def _oar(answered: pd.DataFrame, words: Words) -> float | None:
-    right = answered["object_right"].dropna()
-    return float(right.mean()) if len(right) else None
-
-
-def _oar_chance(answered: pd.DataFrame, words: Words) -> float | None:
-    objects = answered.loc[answered["object_right"].notna(), "objects"]
-    return float((1 / objects).mean()) if len(objects) else None
-
-
-def _war(answered: pd.DataFrame, words: Words) -> float | None:
-    executed = answered.dropna(subset=["action", "judged"])
-    return float((executed["action"] == executed["judged"]).mean()) if len(executed) else None
-
-
-def _war_chance(answered: pd.DataFrame, words: Words) -> float | None:
-    """Whatever the instructions ask for."""
-    return 1 / len(words["action"]) if len(answered.dropna(subset=["action", "judged"])) else None
-
-
-# Of what `read_answers` gives.
-MEASURES = (
-    Measure(
-        "WAR",
-        _war,
-        chance=_war_chance,
-        by_chance="an action that the tutor calls by each action word equally often (1 / number of action words)",
-    ),
-    Measure(
-        "OAR",
-        _oar,
-        chance=_oar_chance,
-        by_chance="an object at random (the mean of 1 / number of objects over the instructions)",
-    ),
-)

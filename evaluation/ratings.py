@@ -37,9 +37,9 @@ def make_key(rows: Sequence[Mapping[str, object]], allowed: Sequence[str], rng: 
     """Name the actions to rate clip_001, clip_002, … in an order that tells nothing about their conditions.
 
     Args:
-        rows: one per action, with the columns of `KEY_COLUMNS` except `clip` and `allowed`.
-        allowed: the words that raters choose from.
-        rng: draws the order.
+        rows: One per action, with the columns of `KEY_COLUMNS` except `clip` and `allowed`.
+        allowed: The words that raters choose from.
+        rng: Draws the order.
 
     Returns:
         Columns `KEY_COLUMNS` and any others of `rows`, a row per clip, in the order of the clips.
@@ -60,7 +60,7 @@ def read_key(path: Path) -> pd.DataFrame:
     """Read a key.
 
     Raises:
-        RatingError: the file is missing or no key.
+        RatingError: The file is missing or no key.
     """
     try:
         key = pd.read_csv(path, dtype={"clip": str, "instructed": str, "judged": str, "allowed": str})
@@ -77,10 +77,10 @@ def read_forms(paths: Sequence[Path], key: pd.DataFrame) -> list[Rating]:
 
     Args:
         paths: CSV files with the columns clip, rater and word, parted by commas or semicolons.
-        key: the key of the clips.
+        key: The key of the clips.
 
     Raises:
-        RatingError: a clip is unknown, a word not allowed, a rater without name, or a clip rated twice by one
+        RatingError: A clip is unknown, a word not allowed, a rater without name, or a clip rated twice by one
             rater; the message lists all of these with file and line.
     """
     allowed = dict(zip(key["clip"], key["allowed"].str.split(), strict=True))
@@ -141,7 +141,7 @@ def human_rates(ratings: Sequence[Rating], key: pd.DataFrame) -> pd.DataFrame:
     """The human WAR of each condition, beside the automatic one.
 
     Returns:
-        One row per condition that was rated, seeds together: its names, `raters`, `ratings`, `human_WAR` (the share
+        One row per condition that was rated, seeds together: Its names, `raters`, `ratings`, `human_WAR` (the share
         of a rater's clips whose word is the instructed one, mean over raters), `human_WAR_sd` (standard deviation
         over raters, n − 1), `automatic_WAR` (over the clips that somebody rated) and `agreement` (the share of
         ratings that equal the automatic judgement).

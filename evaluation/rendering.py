@@ -20,9 +20,9 @@ def sheets(tables: Mapping[str, Table], scores: Path, uncertain: Iterable[Path])
     """What the tables hold, by name.
 
     Args:
-        tables: which part of the results each shows.
+        tables: Which part of the results each shows.
         scores: `scores.csv`.
-        uncertain: the files of answers to uncertain instructions.
+        uncertain: The files of answers to uncertain instructions.
     """
     measured, paths = read_scores([scores]), list(uncertain)
     answered = read_uncertain(paths) if paths else pd.DataFrame()

@@ -50,20 +50,13 @@ def read_scores(paths: Iterable[Path]) -> pd.DataFrame:
     """Read and join score files.
 
     Raises:
-        ValueError: a file has other columns.
+        ValueError: A file has other columns.
     """
-    frames = []
-    for path in paths:
-        frame = pd.read_csv(path)
+    frames = {path: pd.read_csv(path) for path in paths}
+    for path, frame in frames.items():
         if list(frame.columns) != COLUMNS:
             raise ValueError(f"{path}: columns {list(frame.columns)}, not {COLUMNS}")
-        frames.append(frame)
-    return pd.concat(frames, ignore_index=True)
-
-
-def join_scores(paths: Iterable[Path], path: Path) -> None:
-    """Join score files into one, in their order."""
-    write_csv(read_scores(paths), path)
+    return pd.concat(frames.values(), ignore_index=True)
 
 
 def write_csv(frame: pd.DataFrame, path: Path) -> None:

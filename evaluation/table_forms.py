@@ -14,10 +14,10 @@ class Grid:
     """One table of text.
 
     Attributes:
-        caption: what it shows.
-        cells: its text; as they are shown.
-        bold: which cells are bold, by the columns that have such cells; rows as in `cells`.
-        names: the ids of cells in the page, by the columns whose cells have one.
+        caption: What it shows.
+        cells: Its text; as they are shown.
+        bold: Which cells are bold, by the columns that have such cells; rows as in `cells`.
+        names: The ids of cells in the page, by the columns whose cells have one.
     """
 
     caption: str
@@ -31,10 +31,10 @@ class Sheet:
     """What the files of a table hold.
 
     Attributes:
-        title: the heading.
-        grids: one or more tables; one without rows is left out.
-        note: how to read them.
-        data: the numbers behind them, by the ending of their file's name.
+        title: The heading.
+        grids: One or more tables; one without rows is left out.
+        note: How to read them.
+        data: The numbers behind them, by the ending of their file's name.
     """
 
     title: str
@@ -86,9 +86,9 @@ def fragment(grid: Grid, prefix: str = "", captioned: bool = True) -> str:
     """A table in HTML, without a page around it.
 
     Args:
-        grid: the table.
-        prefix: what the ids of cells begin with.
-        captioned: whether the caption is shown.
+        grid: The table.
+        prefix: What the ids of cells begin with.
+        captioned: Whether the caption is shown.
     """
     escaped = Grid(grid.caption, grid.cells.astype(str).map(html.escape), grid.bold)
     cells = _marked(escaped, "<b>", "</b>")

@@ -37,8 +37,8 @@ def summarise(scores: pd.DataFrame, measures: Sequence[str]) -> pd.DataFrame:
     """Mean, standard deviation (n − 1) and number of seeds of each measure and condition.
 
     Args:
-        scores: rows of `scores.csv` of one experiment.
-        measures: which measures, in this order.
+        scores: Rows of `scores.csv` of one experiment.
+        measures: Which measures, in this order.
 
     Returns:
         One row per condition, in the order ROW, then method as in `METHODS`; columns `ROW_KEYS`, `seeds` (the
@@ -107,8 +107,8 @@ def sheet_of_scores(scores: pd.DataFrame, table: Table) -> Sheet:
     Its data are a column per statistic, with `{measure}_best`, and a row per difference.
 
     Args:
-        scores: all scores of the study.
-        table: which of them, and the title.
+        scores: All scores of the study.
+        table: Which of them, and the title.
     """
     chosen, measures = select(scores, table), shown(table.tasks)
     summary, paired = summarise(chosen, measures), differences(chosen, measures)

@@ -27,7 +27,7 @@ class Compared:
     """Two runs compared.
 
     Attributes:
-        cells: one row for each cell of both runs, indexed by `CELL`: `mean`, `sd` and `n` of either run (`_results`,
+        cells: One row for each cell of both runs, indexed by `CELL`: `mean`, `sd` and `n` of either run (`_results`,
             `_reference`), `p` and `verdict`.
     """
 
@@ -66,8 +66,8 @@ def compare_folders(results: Path, reference: Path) -> Compared:
     """Compare the `scores.csv` of two output folders.
 
     Raises:
-        FileNotFoundError: one has no `scores.csv`.
-        ValueError: one is no file of scores.
+        FileNotFoundError: One has no `scores.csv`.
+        ValueError: One is no file of scores.
     """
     paths = [folder / "scores.csv" for folder in (results, reference)]
     missing = [str(path) for path in paths if not path.is_file()]
@@ -79,15 +79,14 @@ def compare_folders(results: Path, reference: Path) -> Compared:
 def compare(results: pd.DataFrame, reference: pd.DataFrame) -> Compared:
     """Compare the scores of two runs, cell by cell.
 
-    What the seeds explain is what their spread lets expect of the difference of two means of other seeds: Welch's t
-    test. It is not paired, because a change anywhere in the pipeline makes another chain of the same seed, and
-    because a small shift of every seed that drowns in their spread is no finding. Of the many cells some have a
-    small p by chance, so those differ that Benjamini and Hochberg's procedure finds at a rate of 5 %: if nothing has
-    changed but the chains, a false alarm in 5 % of comparisons.
+    The seeds explain a difference of means that their spread makes likely, by Welch's t test. The test is not paired,
+    because any change in the pipeline gives a seed another chain, and because a small shift of every seed within
+    their spread is no finding. Some of the many cells have a small p by chance, so Benjamini and Hochberg's procedure
+    decides, at a rate of 5 %: if nothing but the chains has changed, 5 % of the comparisons raise a false alarm.
 
-    A cell in which every seed has the same value in both runs is the same; so is one that is undefined in both. One
-    that has a value in one run and is undefined in the other differs, and so do two means without any spread. A mean
-    of one seed has no known spread: if it is not the same, nobody can say.
+    A cell is the same if every seed has the same value in both runs, or if it is undefined in both. It differs if it
+    is undefined in one run only, and if the means differ without any spread. One seed alone has no known spread: if
+    its value is not the same, nobody can say.
     """
     runs = {"results": results, "reference": reference}
     statistics = [

@@ -23,11 +23,11 @@ class Cell:
     """A cell of a table: a measure of the fits of one condition.
 
     Attributes:
-        experiment: the experiment.
-        D: number of trials.
-        ROW: rate of omitted words in per cent.
-        method: the method.
-        measure: a measure of `scores.csv`, or of `verdicts.description_scores`.
+        experiment: The experiment.
+        D: Number of trials.
+        ROW: Rate of omitted words in per cent.
+        method: The method.
+        measure: A measure of `scores.csv`, or of `verdicts.description_scores`.
     """
 
     experiment: str
@@ -98,10 +98,10 @@ class Judgment:
     """What the data say of a comparison.
 
     Attributes:
-        left, right: the two sums, means over the seeds; NaN where something was not run.
-        difference: left − right.
-        low, high: its 95 % bootstrap interval.
-        n: the smallest number of seeds that a part of it rests on.
+        left, right: The two sums, means over the seeds; NaN where something was not run.
+        difference: `left` − `right`.
+        low, high: Its 95 % bootstrap interval.
+        n: The smallest number of seeds that a part of it rests on.
         verdict: `holds`, `does not hold`, `not decidable` or `not run`.
     """
 
@@ -124,9 +124,9 @@ def judge(comparison: Comparison, values: Callable[[Cell], pd.Series[float]], rn
     estimate alone decides: so `= 1` holds if every seed has 1. One seed alone leaves everything open.
 
     Args:
-        comparison: what is compared.
-        values: the defined values of a cell, by seed; empty where it was not run.
-        rng: draws the bootstrap samples.
+        comparison: What is compared.
+        values: The defined values of a cell, by seed; empty where it was not run.
+        rng: Draws the bootstrap samples.
     """
     parts = _parts(comparison, values)
     n = min(len(part) for part in parts)

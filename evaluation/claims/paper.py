@@ -22,12 +22,12 @@ class Claim:
     """A claim of the paper.
 
     Attributes:
-        number: its number.
-        text: what it says.
-        experiment: the experiment that it is about.
-        comparisons: all of them hold if the claim holds.
-        paper: the value in the paper, where its text still has it.
-        note: what to keep in mind when reading the verdict.
+        number: Its number.
+        text: What it says.
+        experiment: The experiment that it is about.
+        comparisons: All of them hold if the claim holds.
+        paper: The value in the paper, where its text still has it.
+        note: What to keep in mind when reading the verdict.
     """
 
     number: int

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import asdict, astuple
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -15,7 +13,7 @@ from evaluation.catalogue import cell_name, paper_table_with
 from evaluation.claims.judging import FAILS, HOLDS, NOT_RUN, OPEN, Cell, Comparison, combine, judge
 from evaluation.claims.paper import ACTION_WORDS, CLAIMS, Claim, confused
 from evaluation.differences import signed
-from evaluation.measures import MEASURES, shown
+from evaluation.measures import MEASURES
 from evaluation.metrics import confusion
 from evaluation.scores import COLUMNS, CONDITION
 
@@ -26,16 +24,6 @@ CLAIM_COLUMNS = ["claim", "text", "experiment", "paper", "ours", "verdict", "res
 COMPARISON_COLUMNS = [
     *("claim", "comparison", "left", "right", "difference", "low", "high", "bound", "n", "verdict", "rests_on"),
 ]
-
-
-def read_descriptions(paths: Iterable[Path]) -> pd.DataFrame:
-    """Read and join files of described words (`description.write_descriptions`); without files, no rows."""
-    frames = [pd.read_csv(path, keep_default_na=False) for path in paths]
-    return (
-        pd.concat(frames, ignore_index=True)
-        if frames
-        else pd.DataFrame(columns=[*CONDITION, "channel", "true", "described"])
-    )
 
 
 def description_scores(descriptions: pd.DataFrame) -> pd.DataFrame:
@@ -67,8 +55,8 @@ def judge_claims(scores: pd.DataFrame, descriptions: pd.DataFrame) -> tuple[pd.D
     """Decide every claim from a study's results, by the rules of `judging.judge` and `judging.combine`.
 
     Args:
-        scores: all rows of `scores.csv`.
-        descriptions: what `read_descriptions` gives for the simulator.
+        scores: All rows of `scores.csv`.
+        descriptions: What `description.read_descriptions` gives for the simulator.
 
     Returns:
         The claims (`CLAIM_COLUMNS`) and their comparisons (`COMPARISON_COLUMNS`). `left` and `right` are the two
@@ -103,7 +91,7 @@ def _paper(rows: pd.DataFrame) -> pd.DataFrame:
 
 def link(cell: Cell) -> str:
     """Where a cell is shown, from the output folder: a place in the page of one of the paper's tables, or a file."""
-    task = next((task for task in MEASURES if cell.measure in shown([task])), "")
+    task = {measure.name: measure.task for measure in MEASURES}.get(cell.measure, "")
     table = paper_table_with(cell.experiment, task, cell.D)
     if table is None:
         return f"descriptions/{cell.experiment}_D{cell.D}.csv"

@@ -47,16 +47,16 @@ def typical_first(fit: Fit, channel: str) -> dict[int, NDArray[np.int64]]:
 
 
 def category_crops(fit: Fit, channel: str, crops: NDArray[np.uint8], title: str) -> Figure:
-    """Draw the most typical crops of each category in use, a row a category.
+    """Draw the most typical crops of each category in use, a row per category.
 
     Args:
-        fit: the fit.
+        fit: The fit.
         channel: `object` or `color`.
         crops: (N, H, W, 3) uint8 RGB, of the N objects of the fit's trials, in their order.
-        title: experiment and condition.
+        title: Experiment and condition.
 
     Raises:
-        ValueError: there is not one crop for each object.
+        ValueError: There is not one crop for each object.
     """
     c = fit.trials.index_of(channel)
     if len(crops) != len(fit.state.z[c]):

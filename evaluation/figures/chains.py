@@ -19,12 +19,12 @@ COLUMNS = 5
 
 
 def chains_figure(fits: Sequence[Fit], quantities: Mapping[str, Floats], title: str) -> Figure:
-    """Draw the chains of a condition, one a seed.
+    """Draw the chains of a condition, one per seed.
 
     Args:
-        fits: one a chain.
+        fits: One per chain.
         quantities: (chains, draws) of each quantity to rank; chains that agree have flat rank plots.
-        title: the condition.
+        title: The condition.
     """
     with mpl.rc_context(STYLE):
         rows = -(-(len(quantities) + 1) // COLUMNS)

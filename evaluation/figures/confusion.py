@@ -35,8 +35,8 @@ def confusion_figure(counts: pd.DataFrame, words: Mapping[str, Sequence[str]]) -
     Lines part the channels.
 
     Args:
-        counts: what `evaluation.confusion.count_confusions` gives, of one condition but for D and ROW.
-        words: the words by channel.
+        counts: What `evaluation.confusion.count_confusions` gives, of one condition but for D and ROW.
+        words: The words by channel.
     """
     across, down = sorted(counts["D"].unique()), sorted(counts["ROW"].unique())
     panels = dict(list(counts.groupby(["D", "ROW"])))

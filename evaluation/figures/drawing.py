@@ -48,9 +48,9 @@ class Animation:
     """Pictures one after the other.
 
     Attributes:
-        frames: the pictures.
-        rate: pictures per second.
-        hold: seconds that the last one stays longer.
+        frames: The pictures.
+        rate: Pictures per second.
+        hold: Seconds that the last one stays longer.
     """
 
     frames: list[Image]

@@ -42,9 +42,9 @@ def features_overview(seen: Overview, images: Sequence[Image], title: str) -> Fi
     """Draw an overview of the features of an experiment.
 
     Args:
-        seen: the data, from `features.overview`.
-        images: what the camera saw before the action, (H, W, 3) RGB, of the first trials of `seen`.
-        title: experiment and condition.
+        seen: The data, from `features.overview`.
+        images: What the camera saw before the action, (H, W, 3) RGB, of the first trials of `seen`.
+        title: Experiment and condition.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(PAGE_WIDTH, 11.0), layout="constrained")

@@ -50,9 +50,9 @@ def generated_actions(answered: pd.DataFrame, pictures: Sequence[tuple[Image, Im
     """Draw each instruction with the scene before and after the action, and the tutor's word for what happened.
 
     Args:
-        answered: the answers of one fit, as `evaluation.generation.read_answers` gives them.
+        answered: The answers of one fit, as `evaluation.generation.read_answers` gives them.
         pictures: (H, W, 3) RGB before and after, of each answer.
-        title: experiment and condition.
+        title: Experiment and condition.
     """
     rows = -(-len(pictures) // COLUMNS)
     with mpl.rc_context(STYLE):
@@ -64,12 +64,12 @@ def generated_actions(answered: pd.DataFrame, pictures: Sequence[tuple[Image, Im
         for axes, answer, (before, after) in zip(grid, answered.itertuples(), pictures, strict=False):
             axes.imshow(_side_by_side(before, after), interpolation="nearest")
             axes.set_title(f"{answer.trial}. “{answer.instruction}”", fontsize=8, loc="left", pad=3)
-            text, shade = verdict(str(answer.action), str(answer.judged), float(str(answer.object_right)))
+            text, shade = in_words(str(answer.action), str(answer.judged), float(str(answer.object_right)))
             axes.text(0.0, -0.03, text, transform=axes.transAxes, va="top", fontsize=7, color=shade)
     return figure
 
 
-def verdict(asked: str, judged: str, object_right: float) -> tuple[str, str]:
+def in_words(asked: str, judged: str, object_right: float) -> tuple[str, str]:
     """What is written under an action, and in which color: whether word and object are right."""
     word = f"{judged}: right word" if judged == asked else f"{judged}: not {asked}"
     thing = {1.0: "right object", 0.0: "wrong object"}.get(object_right, "object chosen among equals")

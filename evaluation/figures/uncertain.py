@@ -29,8 +29,8 @@ def uncertain_figure(answered: pd.DataFrame, title: str) -> Figure:
     """Entropy against the number of fitting objects, and by kind how often a fitting object is chosen.
 
     Args:
-        answered: the rows of the fits of one condition, all methods and seeds.
-        title: the condition.
+        answered: The rows of the fits of one condition, all methods and seeds.
+        title: The condition.
     """
     methods = [method for method in METHODS if method in set(answered["method"])]
     with mpl.rc_context(STYLE):

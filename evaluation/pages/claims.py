@@ -31,8 +31,8 @@ def claims_html(claims: pd.DataFrame, comparisons: pd.DataFrame) -> str:
     """The claims and their comparisons as an HTML fragment, with links that start at the output folder.
 
     Args:
-        claims: the rows of `claims.csv`.
-        comparisons: the rows of `claims_comparisons.csv`.
+        claims: The rows of `claims.csv`.
+        comparisons: The rows of `claims_comparisons.csv`.
     """
     head = "".join(f"<th>{name}</th>" for name in ("", "claim", "experiment", "paper", "ours", "verdict"))
     rows = [_claim(claim, comparisons[comparisons["claim"] == claim["claim"]]) for _, claim in claims.iterrows()]

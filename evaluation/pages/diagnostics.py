@@ -29,8 +29,8 @@ def diagnose_condition(condition: Mapping[str, Any], fits: Sequence[Fit]) -> tup
     """R-hat and effective sample sizes of a condition's chains, and their section of the page.
 
     Args:
-        condition: the names of the condition, without the seed.
-        fits: one per seed.
+        condition: The names of the condition, without the seed.
+        fits: One per seed.
     """
     quantities = chain_quantities(fits, BURN_IN)
     table = pd.DataFrame([asdict(one) for one in diagnose(quantities)])

@@ -16,8 +16,8 @@ def settings(config: str, experiments: Mapping[str, Mapping[str, Any]]) -> Secti
     """Every setting of every experiment, defaults included.
 
     Args:
-        config: name of the config file.
-        experiments: the settings by experiment, plain data.
+        config: Name of the config file.
+        experiments: The settings by experiment, plain data.
     """
     parts = tuple(
         Part(
@@ -44,8 +44,8 @@ def versions(python: str, packages: Mapping[str, str], hashes: Mapping[str, str]
     """What the numbers were computed with.
 
     Args:
-        python: the version of Python.
-        packages: the pinned version of each package that the project asks for.
+        python: The version of Python.
+        packages: The pinned version of each package that the project asks for.
         hashes: sha256 of what else decides about the results, by what it is.
     """
     pinned = pd.DataFrame([("Python", python), *packages.items()], columns=["package", "version"])
@@ -61,7 +61,7 @@ def reproduction(config: str) -> Section:
     """How to get all this again.
 
     Args:
-        config: the config file, as `make` is told.
+        config: The config file, as `make` is told.
     """
     text = (
         f"<p>With the code and the environment that <a href='#versions'>Versions</a> names:</p>\n"

@@ -21,8 +21,8 @@ class Part:
     """A piece of a section that can be linked to.
 
     Attributes:
-        anchor: its name in links, unique on the page.
-        title: its heading, plain text.
+        anchor: Its name in links, unique on the page.
+        title: Its heading, plain text.
         body: HTML.
     """
 
@@ -36,10 +36,10 @@ class Section:
     """A section of the page.
 
     Attributes:
-        anchor: its name in links, unique on the page.
-        title: its heading, plain text.
+        anchor: Its name in links, unique on the page.
+        title: Its heading, plain text.
         body: HTML before the parts.
-        parts: its pieces, each of which the table of contents lists.
+        parts: Its pieces, each of which the table of contents lists.
     """
 
     anchor: str
@@ -52,11 +52,11 @@ def page(title: str, sections: Sequence[Section]) -> str:
     """The whole page; its content security policy forbids the browser to fetch anything.
 
     Args:
-        title: plain text.
-        sections: in order.
+        title: Plain text.
+        sections: In order.
 
     Raises:
-        ValueError: two sections or parts have the same anchor.
+        ValueError: Two sections or parts have the same anchor.
     """
     anchors = [
         anchor for section in sections for anchor in (section.anchor, *(part.anchor for part in section.parts))
@@ -96,8 +96,8 @@ def table(frame: pd.DataFrame, cell: Callable[[str, object], str] = lambda _, va
     """A data frame as an HTML table.
 
     Args:
-        frame: its columns are the heads, in which `_` reads as a space.
-        cell: gives the HTML of a cell from its column and value; by default the value as text.
+        frame: Its columns are the heads, in which `_` reads as a space.
+        cell: Gives the HTML of a cell from its column and value; by default the value as text.
     """
     heads = "".join(f"<th>{escape(str(column).replace('_', ' '))}</th>" for column in frame.columns)
     rows = (
@@ -115,9 +115,9 @@ def image(content: bytes, suffix: str, alternative: str) -> str:
     """An image as part of the page.
 
     Args:
-        content: the bytes of its file.
-        suffix: the end of the file's name, a key of `MEDIA_TYPES`.
-        alternative: what is seen, for those who do not see it; plain text.
+        content: The bytes of its file.
+        suffix: The end of the file's name, a key of `MEDIA_TYPES`.
+        alternative: What is seen, for those who do not see it; plain text.
     """
     data = base64.b64encode(content).decode()
     return f'<img alt="{escape(alternative)}" src="data:{MEDIA_TYPES[suffix]};base64,{data}">'

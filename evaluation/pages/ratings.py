@@ -15,8 +15,8 @@ def write_page(clips: Sequence[tuple[str, str, Sequence[str]]], title: str, path
 
     Args:
         clips: name, path of the picture relative to the page, and allowed words of each clip.
-        title: heading of the page.
-        path: the page.
+        title: Heading of the page.
+        path: The page.
     """
     figures = "\n".join(_figure(number, *clip) for number, clip in enumerate(clips, start=1))
     with replacing(path) as (temporary,):

@@ -30,10 +30,10 @@ def about(
     """What the study is, and how large.
 
     Args:
-        config: name of the config file.
-        origins: where the data of each experiment come from, in words.
-        scores: all scores of the study.
-        dropped: by set of trials, why which were dropped; sets in which none could be are left out.
+        config: Name of the config file.
+        origins: Where the data of each experiment come from, in words.
+        scores: All scores of the study.
+        dropped: By set of trials, why which were dropped; sets in which none could be are left out.
     """
     fits = scores[scores.task == "csl"].drop_duplicates(["experiment", *ROW_KEYS, "seed"])
     rows = []
@@ -72,14 +72,14 @@ def _listing(values: pd.Series[Any]) -> str:
     return ", ".join(str(value) for value in sorted(values.unique()))
 
 
-def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame | None, anchors: Collection[str]) -> Section:
+def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame, anchors: Collection[str]) -> Section:
     """The paper's claims, and which of them hold here.
 
     Args:
-        claimed: a row per claim; all columns are shown. Those called `claim`, `verdict` and `rests_on` become anchors
+        claimed: A row per claim; all columns are shown. Those called `claim`, `verdict` and `rests_on` become anchors
             `claim_1` …, marks, and links.
-        comparisons: a row per comparison on which a claim rests, likewise; None where there are none.
-        anchors: the anchors of the page, to which links to files of their names lead.
+        comparisons: A row per comparison on which a claim rests, likewise.
+        anchors: The anchors of the page, to which links to files of their names lead.
     """
 
     def cell(column: str, value: object) -> str:
@@ -93,15 +93,13 @@ def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame | None, anchors: Col
         return f'<span id="claim_{shown}">{shown}</span>' if column == "claim" else shown
 
     text = "<p>What the paper claims, and what this study finds. A claim that does not hold here is a finding.</p>"
-    if "verdict" in claimed:
-        counts = claimed["verdict"].value_counts(sort=False)
-        text += f"<p>Verdicts: {escape(', '.join(f'{verdict} {n}' for verdict, n in counts.items()))}.</p>"
+    counts = claimed["verdict"].value_counts(sort=False)
+    text += f"<p>Verdicts: {escape(', '.join(f'{verdict} {n}' for verdict, n in counts.items()))}.</p>"
     # The verdict must not be where only scrolling leads.
-    first = [column for column in ("claim", "text", "verdict") if column in claimed]
+    first = ["claim", "text", "verdict"]
     text += table(claimed[[*first, *claimed.columns.drop(first)]], cell_of_claim)
-    if comparisons is not None:
-        text += f"<details><summary>The {len(comparisons)} comparisons behind them</summary>"
-        text += f"{table(comparisons, cell)}</details>"
+    text += f"<details><summary>The {len(comparisons)} comparisons behind them</summary>"
+    text += f"{table(comparisons, cell)}</details>"
     return Section("claims", "Claims of the paper", text)
 
 
@@ -122,7 +120,7 @@ def tables(sheets: Mapping[str, Sheet]) -> Section:
     """All tables, each with its file's name as anchor; the ids of cells begin with it, because tables share cells.
 
     Args:
-        sheets: what the tables hold, by name.
+        sheets: What the tables hold, by name.
     """
     text = "<p>Each table is also a file, for a spreadsheet or a paper.</p>"
     parts = (Part(name, sheet.title, _table(name, sheet)) for name, sheet in sheets.items())
@@ -145,8 +143,8 @@ def figures(shown: Iterable[ShownFigure], out: Path) -> Section:
     """All figures with their captions, each with its file's path as anchor: tables have such names, too.
 
     Args:
-        shown: the figures.
-        out: the output folder.
+        shown: The figures.
+        out: The output folder.
     """
     text = "<p>A click on a figure opens its file.</p>"
     return Section("figures", "Figures", text, tuple(_figure_part(figure, out / figure.path) for figure in shown))
@@ -164,7 +162,7 @@ def diagnostics(chains: Mapping[str, pd.DataFrame]) -> Section:
     """Whether the chains of each condition agree, in a few numbers.
 
     Args:
-        chains: by the name of its file, the diagnoses of an experiment and D: a row per condition and quantity.
+        chains: By the name of its file, the diagnoses of an experiment and D: a row per condition and quantity.
     """
     text = (
         f"<p>The seeds of a condition are chains of one posterior where all words, or none, are heard. R-hat "

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from evaluation.scores import ROW_KEYS, SHARED, write_csv
+from evaluation.scores import ROW_KEYS, SHARED
 from evaluation.uncertain.instructions import KINDS, Instruction
 from model import Fit
 from model.data import Floats
@@ -34,8 +34,8 @@ def measures_of(answer: Answer, instruction: Instruction) -> dict[str, float | N
     """Measure one answer; see docs/tasks.md for the definitions. A measure is None where it is not defined.
 
     Args:
-        answer: the distribution over objects and action categories.
-        instruction: what was said, and which objects fit.
+        answer: The distribution over objects and action categories.
+        instruction: What was said, and which objects fit.
     """
     probability, chosen = object_probabilities(answer), [m for m, _ in answer.choices()]
     M, fits, instructed = len(probability), instruction.fits, instruction.scene.instructed
@@ -72,9 +72,9 @@ def answer_uncertain(
     """Let a fit answer uncertain instructions.
 
     Args:
-        condition: the names of the fit.
-        fit: what the robot learned.
-        asked: the instructions.
+        condition: The names of the fit.
+        fit: What the robot learned.
+        asked: The instructions.
 
     Returns:
         A row per instruction: condition, trial, kind, sentence, the words that training never saw and that were
@@ -97,13 +97,8 @@ def answer_uncertain(
     return rows
 
 
-def write_uncertain(rows: Iterable[Mapping[str, object]], path: Path) -> None:
-    """Write the rows of all fits as CSV; a value that is not defined is an empty field."""
-    write_csv(pd.DataFrame(list(rows)), path)
-
-
 def read_uncertain(paths: Iterable[Path]) -> pd.DataFrame:
-    """Read and join what `write_uncertain` wrote."""
+    """Read and join files of the rows of `answer_uncertain`."""
     text = dict.fromkeys(("instruction", "ignored", "chosen"), str)
     return pd.concat([pd.read_csv(path, dtype=text) for path in paths], ignore_index=True)
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from evaluation.measure import Words
+from evaluation.measures import Words
 from evaluation.uncertain.scenes import OBJECT_CHANNELS, Scene, places_of, scene_of, with_twin
 from features.table import FeatureTable
 
@@ -21,10 +21,10 @@ class Instruction:
     """What the robot is told, and which objects it can mean.
 
     Attributes:
-        kind: which of `KINDS` it is.
-        scene: the objects on the table.
-        words: the sentence.
-        fits: for each object whether no word contradicts it; None where that is not known.
+        kind: Which of `KINDS` it is.
+        scene: The objects on the table.
+        words: The sentence.
+        fits: For each object whether no word contradicts it; None where that is not known.
     """
 
     kind: str
@@ -38,10 +38,10 @@ class Source:
     """What uncertain instructions are made from: one instruction of the test set.
 
     Attributes:
-        scene: its scene.
-        twin: the scene with the instructed object a second time; None where it cannot be made.
-        said: the word of each channel, in the order in which they are said.
-        words: the words of the experiment, by channel.
+        scene: Its scene.
+        twin: The scene with the instructed object a second time; None where it cannot be made.
+        said: The word of each channel, in the order in which they are said.
+        words: The words of the experiment, by channel.
     """
 
     scene: Scene
@@ -67,7 +67,7 @@ Made = Iterator[tuple[Scene, tuple[str, ...]]]
 
 
 def _kept(count: int) -> Callable[[Source], Made]:
-    """Every choice of so many words of the sentence."""
+    """Every choice of `count` words of the sentence."""
     return lambda source: ((source.scene, words) for words in combinations(source.said.values(), count))
 
 
@@ -129,9 +129,9 @@ class Kind:
     """A kind of uncertain instruction.
 
     Attributes:
-        label: what tables and figures call it.
-        make: its scenes and sentences, from one instruction of the test set.
-        wrong: whether one word is not true of the instructed object or action, and can be outvoted.
+        label: What tables and figures call it.
+        make: Its scenes and sentences, from one instruction of the test set.
+        wrong: Whether one word is not true of the instructed object or action, and can be outvoted.
     """
 
     label: str
@@ -159,9 +159,9 @@ def instructions(table: FeatureTable, words: Words) -> tuple[Instruction, ...]:
     """Make the uncertain instructions of every kind, in the order of the table's trials and of `KINDS`.
 
     Args:
-        table: the instructions of the test set, with the objects on the table; what a kind needs to know of the
-            truth and the table does not tell makes that there are none of the kind.
-        words: the words of the experiment, by channel. Of an instruction's words the first of each channel counts.
+        table: The instructions of the test set, with the objects on the table. There are none of a kind that needs
+            truth which the table does not hold.
+        words: The words of the experiment, by channel. Of an instruction's words the first of each channel counts.
     """
     channel_of = {word: channel for channel, own in words.items() for word in own}
     made = []
@@ -178,9 +178,9 @@ def fitting(scene: Scene, sentence: Sequence[str], channel_of: Mapping[str, str]
     Action words, and words of no channel, fit any object.
 
     Args:
-        scene: the objects.
-        sentence: the words.
-        channel_of: the true channel of each word.
+        scene: The objects.
+        sentence: The words.
+        channel_of: The true channel of each word.
 
     Returns:
         (M,) flags; None where a true word that the sentence speaks of is not known.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from evaluation.generation import objects_of
-from evaluation.measure import Words
+from evaluation.measures import Words
 from features.table import FeatureTable
 from model.data import Floats
 
@@ -20,10 +20,10 @@ class Scene:
     """The objects on a table.
 
     Attributes:
-        trial: the number of the trial whose scene it is.
+        trial: The number of the trial whose scene it is.
         features: (M, dim) of the M objects, by channel.
-        truth: the true words of the M objects, by channel; None where one is not known.
-        instructed: index of the instructed object; None where it is not known.
+        truth: The true words of the M objects, by channel; None where one is not known.
+        instructed: Index of the instructed object; None where it is not known.
     """
 
     trial: int

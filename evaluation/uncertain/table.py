@@ -46,8 +46,8 @@ def sheet_of_answers(answered: pd.DataFrame, table: Table) -> Sheet:
     """The table of the uncertain instructions of an experiment.
 
     Args:
-        answered: the rows of all fits.
-        table: the experiment, and the title.
+        answered: The rows of all fits.
+        table: The experiment, and the title.
     """
     own = answered[answered["experiment"] == table.experiment]
     summary = summarise_uncertain(own)

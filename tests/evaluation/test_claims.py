@@ -12,8 +12,9 @@ import pytest
 
 from evaluation.catalogue import tables_of
 from evaluation.claims.paper import ACTION_WORDS, CLAIMS
-from evaluation.claims.verdicts import description_scores, judge_claims, read_descriptions
-from evaluation.measures import MEASURES, shown
+from evaluation.claims.verdicts import description_scores, judge_claims
+from evaluation.description import read_descriptions
+from evaluation.measures import MEASURES
 from evaluation.metrics import f1_macro
 from evaluation.pages.claims import claims_html, write_claims
 from evaluation.rendering import write
@@ -40,7 +41,7 @@ def as_the_paper_says(experiment: str, method: str, D: int, ROW: int, measure: s
     return level - ROW / 500 + D / 2000
 
 
-MEASURED = [(task, measure) for task in MEASURES for measure in shown([task])]
+MEASURED = [(measure.task, measure.name) for measure in MEASURES if measure.in_tables]
 
 
 def results(level: Level) -> pd.DataFrame:

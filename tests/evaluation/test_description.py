@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from sklearn.metrics import accuracy_score, f1_score
 
-from evaluation.description import FRAME, Descriptions, describe_trials
+from evaluation.description import COLUMNS, FRAME, describe_trials
 from evaluation.measures import measured
 from evaluation.metrics import accuracy, confusion, f1_macro
 from features.table import FeatureTable
@@ -20,8 +21,8 @@ from tests.synthetic import WORDS
 
 def test_each_word_is_the_most_probable_of_its_channel(proposed: Fit, table: FeatureTable) -> None:
     told = describe_trials(proposed, table, WORDS)
-    assert len(told.true) == 4 * len(table.trial)
-    assert told.channel[:4] == FRAME
+    assert len(told) == 4 * len(table.trial)
+    assert tuple(told["channel"][:4]) == FRAME
     names = [channel.name for channel in proposed.trials.channels]
     for d, row in enumerate(table.attended_row):
         seen = {"action": table.action[d], "position": table.position[row]}
@@ -31,13 +32,13 @@ def test_each_word_is_the_most_probable_of_its_channel(proposed: Fit, table: Fea
             theta = np.exp(proposed.state.log_words[names.index(channel)])
             by_word = {w: sum(r[j] * theta[j, w] for j in range(len(r))) for w in range(theta.shape[1])}
             best = max(by_word, key=lambda w: float(by_word[w]))
-            assert told.described[4 * d + n] == proposed.trials.vocabulary[best]
+            assert told["described"][4 * d + n] == proposed.trials.vocabulary[best]
 
 
 def test_truth_is_what_the_tutor_said(proposed: Fit, table: FeatureTable) -> None:
     told = describe_trials(proposed, table, WORDS)
     assert table.truth_action is not None
-    assert told.true[::4] == tuple(table.truth_action)
+    assert tuple(told["true"][::4]) == tuple(table.truth_action)
     silent = replace(table, words=tuple(() for _ in table.words))
     nothing = measured("description", describe_trials(proposed, silent, WORDS), WORDS)
     assert nothing == {"F1": None, "ACC": None, "ACC_chance": None}
@@ -46,7 +47,7 @@ def test_truth_is_what_the_tutor_said(proposed: Fit, table: FeatureTable) -> Non
 def test_no_description_was_learned_without_words(table: FeatureTable) -> None:
     """Without a sentence the vocabulary is still known, and every word is as probable as any other."""
     told = describe_trials(fit_of(table, "gmm", words=False), table, WORDS)
-    assert len(told.true) == 4 * len(table.trial)
+    assert len(told) == 4 * len(table.trial)
 
 
 def test_measures_are_those_of_scikit_learn() -> None:
@@ -61,7 +62,8 @@ def test_measures_are_those_of_scikit_learn() -> None:
 
 def test_chance_of_a_word() -> None:
     words = {"action": ["reach", "touch", "grasp", "look-at"], "color": ["red", "blue"]}
-    told = Descriptions((1, 1, 2), ("action", "color", "color"), ("reach", "red", "blue"), ("touch", "red", "red"))
+    pairs = [(1, "action", "reach", "touch"), (1, "color", "red", "red"), (2, "color", "blue", "red")]
+    told = pd.DataFrame(pairs, columns=COLUMNS)
     assert measured("description", told, words)["ACC_chance"] == pytest.approx(1.25 / 3)
 
 

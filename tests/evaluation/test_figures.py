@@ -11,11 +11,11 @@ import pytest
 from matplotlib.patches import Ellipse, Rectangle
 from PIL import Image
 
-from evaluation.best_fit import by_log_joint, title
 from evaluation.figures.categories import category_crops, typical_first
 from evaluation.figures.drawing import PAGE_WIDTH, coarse, picture, save_figure
 from evaluation.figures.fit import position_categories, word_distributions
-from evaluation.figures.generation import generated_actions, verdict
+from evaluation.figures.generation import generated_actions, in_words
+from evaluation.figures.source import by_log_joint, title
 from model import Fit
 from tests.synthetic import WORDS
 
@@ -134,11 +134,11 @@ def test_the_most_probable_fit_is_shown(proposed: Fit, out: Path) -> None:
 
 
 def test_actions_are_told_right_from_wrong() -> None:
-    assert verdict("touch", "touch", 1.0)[0] == "touch: right word, right object"
-    assert verdict("touch", "reach", 0.0)[0] == "reach: not touch, wrong object"
-    assert verdict("touch", "touch", 0.5)[0] == "touch: right word, object chosen among equals"
-    right = verdict("touch", "touch", 1.0)[1]
-    assert right not in (verdict("touch", "reach", 1.0)[1], verdict("touch", "touch", 0.0)[1])
+    assert in_words("touch", "touch", 1.0)[0] == "touch: right word, right object"
+    assert in_words("touch", "reach", 0.0)[0] == "reach: not touch, wrong object"
+    assert in_words("touch", "touch", 0.5)[0] == "touch: right word, object chosen among equals"
+    right = in_words("touch", "touch", 1.0)[1]
+    assert right not in (in_words("touch", "reach", 1.0)[1], in_words("touch", "touch", 0.0)[1])
 
 
 def test_each_generated_action_has_its_pictures() -> None:

@@ -78,6 +78,7 @@ CHAINS = pd.DataFrame(
     columns=["experiment", "method", "D", "ROW", "quantity", "r_hat", "ess_bulk"],
 ).assign(variant="default", sampler="published")
 EXPERIMENTS = ("own", "own_two")
+COMPARISONS = pd.DataFrame({"comparison": ["A > B"], "verdict": ["holds"]})
 
 
 @pytest.fixture
@@ -117,7 +118,7 @@ def test_dropped_trials_are_counted(scores: pd.DataFrame) -> None:
 
 
 def test_claims_lead_to_what_they_rest_on(claimed: pd.DataFrame) -> None:
-    body = report.claims(claimed, None, {"table_1a", "table_1b", "own_words"}).body
+    body = report.claims(claimed, COMPARISONS, {"table_1a", "table_1b", "own_words"}).body
     assert re.findall(r'href="(.*?)"', body) == [
         *("#table_1a", "#table_1b"),
         *("#table_1b.cell", "descriptions/own_D5.csv", "#own_words"),
@@ -127,12 +128,11 @@ def test_claims_lead_to_what_they_rest_on(claimed: pd.DataFrame) -> None:
     assert "B &amp; C are" in body
 
 
-def test_claims_of_other_columns_are_shown(claimed: pd.DataFrame) -> None:
-    body = report.claims(claimed[["text"]].assign(their_value="0.02"), None, ()).body
-    assert body.count("0.02") == 3
-    assert re.findall("<th>(.*?)</th>", body) == ["text", "their value"]
-    body = report.claims(claimed.assign(paper="")[["paper", "rests_on", "verdict", "claim"]], None, ()).body
-    assert re.findall("<th>(.*?)</th>", body) == ["claim", "verdict", "paper", "rests on"]
+def test_the_verdict_comes_before_other_columns(claimed: pd.DataFrame) -> None:
+    body = report.claims(
+        claimed.assign(paper="")[["paper", "rests_on", "verdict", "text", "claim"]], COMPARISONS, ()
+    ).body
+    assert re.findall("<th>(.*?)</th>", body)[:5] == ["claim", "text", "verdict", "paper", "rests on"]
 
 
 def test_every_table_has_its_anchor(tables: dict[str, Sheet]) -> None:

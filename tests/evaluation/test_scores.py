@@ -9,9 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from evaluation.learning import Learned
-from evaluation.measures import measured
-from evaluation.scores import COLUMNS, join_scores, read_scores, score_rows, write_scores
+from evaluation.measures import Learned, measured
+from evaluation.scores import COLUMNS, read_scores, score_rows, write_csv, write_scores
 from features.table import FeatureTable
 from model import Fit
 from tests.evaluation.conftest import fit_of
@@ -67,7 +66,7 @@ def test_score_files_keep_every_digit(out: Path) -> None:
     rows = score_rows({**CONDITION, **NUMBERS}, {"ARI_a": 0.1 + 0.2, "EAR": None})
     write_scores(rows, out / "a.csv")
     write_scores(score_rows({**CONDITION, **NUMBERS, "seed": 2}, {"ARI_a": 1 / 3}), out / "b.csv")
-    join_scores([out / "a.csv", out / "b.csv"], out / "scores.csv")
+    write_csv(read_scores([out / "a.csv", out / "b.csv"]), out / "scores.csv")
     scores = read_scores([out / "scores.csv"])
     assert list(scores.columns) == COLUMNS
     assert scores["value"].tolist()[::2] == [0.1 + 0.2, 1 / 3]

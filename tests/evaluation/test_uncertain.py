@@ -13,6 +13,7 @@ import pytest
 
 from evaluation.catalogue import Table
 from evaluation.rendering import write
+from evaluation.scores import write_csv
 from evaluation.uncertain.answers import (
     MEASURES,
     answer_uncertain,
@@ -20,7 +21,6 @@ from evaluation.uncertain.answers import (
     measures_of,
     object_probabilities,
     read_uncertain,
-    write_uncertain,
 )
 from evaluation.uncertain.instructions import KINDS, Instruction, fitting, instructions
 from evaluation.uncertain.scenes import OBJECT_CHANNELS, Scene
@@ -181,7 +181,7 @@ def test_an_unknown_word_is_ignored_and_noted(
     table: FeatureTable, asked: tuple[Instruction, ...], tmp_path: Path, method: str
 ) -> None:
     rows = answer_uncertain(CONDITION | {"method": method}, fit_of(table, method), asked)
-    write_uncertain(rows, tmp_path / "own.csv")
+    write_csv(pd.DataFrame(rows), tmp_path / "own.csv")
     kept = read_uncertain([tmp_path / "own.csv"]).set_index("kind")
     assert len(kept) == len(asked)
     assert kept.loc["unknown_word", "ignored"].tolist() == ["blorp"] * len(table.trial)
@@ -207,7 +207,7 @@ def test_a_table_without_truth_leaves_the_measures_empty(proposed: Fit, table: F
     )
     asked = instructions(blind, WORDS)
     assert not {"no_fit", "two_alike", "two_alike_place"} & {one.kind for one in asked}
-    write_uncertain(answer_uncertain(CONDITION, proposed, asked), tmp_path / "own.csv")
+    write_csv(pd.DataFrame(answer_uncertain(CONDITION, proposed, asked)), tmp_path / "own.csv")
     answered = read_uncertain([tmp_path / "own.csv"])
     write("t", sheet_of_answers(answered, TABLE), tmp_path)
     assert "it is not known which objects fit" in (tmp_path / "t.md").read_text()

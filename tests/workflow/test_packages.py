@@ -46,7 +46,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "evaluation.uncertain",
         "evaluation.catalogue",
         "evaluation.generation",
-        "evaluation.measure",
+        "evaluation.measures",
         "evaluation.scores",
         "evaluation.table_forms",
         "evaluation.tables",
@@ -67,7 +67,6 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "evaluation/figures": (
         "evaluation.figures",
         "evaluation.uncertain",
-        "evaluation.best_fit",
         "evaluation.confusion",
         "evaluation.generation",
         "evaluation.scores",

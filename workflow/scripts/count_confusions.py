@@ -2,12 +2,11 @@
 
 from pathlib import Path
 
-import pandas as pd
-
 from evaluation.confusion import count_confusions
+from evaluation.description import read_descriptions
 from evaluation.scores import write_csv
 from workflow.execution.job import job
 
 with job(snakemake):
-    described = pd.read_csv(snakemake.input[0])
+    described = read_descriptions([Path(snakemake.input[0])])
     write_csv(count_confusions(described, snakemake.params.words), Path(snakemake.output[0]))

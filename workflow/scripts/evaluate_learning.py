@@ -3,8 +3,7 @@
 import logging
 from pathlib import Path
 
-from evaluation.learning import Learned
-from evaluation.measures import measured
+from evaluation.measures import Learned, measured
 from evaluation.scores import LETTERS, score_rows, write_scores
 from features.table import read_table
 from model import load

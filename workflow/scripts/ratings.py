@@ -6,7 +6,7 @@ from data_collection.image_files import save_gif
 from data_collection.log.mcap_log import read_log
 from data_collection.seeding import generator
 from data_collection.show import brief
-from evaluation.best_fit import by_log_joint
+from evaluation.figures.source import by_log_joint
 from evaluation.generation import read_answers
 from evaluation.pages.ratings import write_page
 from evaluation.ratings import make_key, write_form

@@ -22,7 +22,7 @@ with job(snakemake):
     dropped = {name: json.loads(told.get("dropped", "[]")) for name, told in made.items()}
     sections = [
         report.about(params.config, params.sources, read_scores([Path(files.scores)]), dropped),
-        *([report.claims(texts[0], texts[1] if len(texts) > 1 else None, tables)] if texts else []),
+        report.claims(*texts, tables),
         report.tables(tables),
         report.figures(params.figures, Path()),
         report.diagnostics(chains),

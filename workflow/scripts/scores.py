@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from evaluation.scores import join_scores
+from evaluation.scores import read_scores, write_csv
 from workflow.execution.job import job
 
 with job(snakemake):
-    join_scores([Path(path) for path in snakemake.input], Path(snakemake.output[0]))
+    write_csv(read_scores(Path(path) for path in snakemake.input), Path(snakemake.output[0]))

@@ -2,7 +2,10 @@
 
 from pathlib import Path
 
-from evaluation.uncertain.answers import answer_uncertain, write_uncertain
+import pandas as pd
+
+from evaluation.scores import write_csv
+from evaluation.uncertain.answers import answer_uncertain
 from evaluation.uncertain.instructions import instructions
 from features.table import read_table
 from model import load
@@ -16,4 +19,4 @@ with job(snakemake):
         for path, condition in zip(snakemake.input.fits, snakemake.params.conditions, strict=True)
         for row in answer_uncertain(condition, load(Path(path)), asked)
     ]
-    write_uncertain(rows, Path(snakemake.output[0]))
+    write_csv(pd.DataFrame(rows), Path(snakemake.output[0]))
