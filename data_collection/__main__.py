@@ -1,4 +1,4 @@
-"""Commands on logs: ``python -m data_collection check | show | regenerate | export-lerobot | topics``."""
+"""Commands on logs: `python -m data_collection check | show | regenerate | export-lerobot | topics`."""
 
 import argparse
 import sys

@@ -40,7 +40,7 @@ def collect(
     Args:
         simulation: Settings of the experiment.
         experiment: Its name.
-        set_name: ``train`` or ``description`` (an action, and the tutor's sentence about it) or ``generation`` (a
+        set_name: `train` or `description` (an action, and the tutor's sentence about it) or `generation` (a
             scene and an instruction that one object fits; no action).
         trials: Numbers from 1.
         seed: Seed of the study.

@@ -1,7 +1,6 @@
-"""What is read at most of a stranger's log, and what a word may be.
+"""Upper limits on what is read from a log of unknown origin, and what a name, a path and a word may be.
 
-The limits here, and in the modules of this name in `features` and `workflow.plan`, are far above what a study needs;
-they keep an absurd or forged file from taking all memory or time.
+The limits are far above what a study needs; they keep an absurd or forged file from taking all memory or time.
 """
 
 import re

@@ -9,7 +9,7 @@ def generator(seed: int, *names: str | int) -> np.random.Generator:
     """Return the generator that belongs to a study's seed and a path of names.
 
     The names (stage, experiment, set, trial, …) are hashed, so that adding a condition changes no other draw.
-    ``generator(1, "a", 7)`` and ``generator(1, "a", "7")`` differ, and so do ``("ab",)`` and ``("a", "b")``.
+    `generator(1, "a", 7)` and `generator(1, "a", "7")` differ, and so do `("ab",)` and `("a", "b")`.
 
     Args:
         seed: Seed of the study, not negative.

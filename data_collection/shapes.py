@@ -35,7 +35,7 @@ class Shape:
         meshes: Parts that are drawn.
         height: Metres from the table to its top.
         radius: Of the circle on the table around it, metres.
-        collision: ``box``, ``sphere`` or ``hull`` (convex hull of the meshes).
+        collision: `box`, `sphere` or `hull` (convex hull of the meshes).
         extents: Full sizes along x, y, z, metres.
     """
 
@@ -109,12 +109,12 @@ def _shape(meshes: tuple[Mesh, ...], collision: str) -> Shape:
 
 
 def box(size: float, height: float, style: int) -> Shape:
-    """Return a square block; ``style`` is not used."""
+    """Return a square block; `style` is not used."""
     return _shape((_mesh(cuboid((0.0, 0.0, height / 2), (size, size, height))),), "box")
 
 
 def ball(size: float, height: float, style: int) -> Shape:
-    """Return a ball of diameter ``size``; height and style are not used."""
+    """Return a ball of diameter `size`; height and style are not used."""
     radius = size / 2
     angle = np.linspace(-np.pi / 2, np.pi / 2, 19)
     profile = np.column_stack([radius * np.cos(angle), radius + radius * np.sin(angle)])
@@ -123,7 +123,7 @@ def ball(size: float, height: float, style: int) -> Shape:
 
 
 def cup(size: float, height: float, style: int) -> Shape:
-    """Return an open cup of upper diameter ``size``, a little narrower at its foot; style 1 and 2 have a handle."""
+    """Return an open cup of upper diameter `size`, a little narrower at its foot; style 1 and 2 have a handle."""
     top, wall = size / 2, 0.004
     foot = 0.78 * top
     outside = [[0.0, 0.0], [foot, 0.0], [top, height]]
@@ -149,7 +149,7 @@ def cup(size: float, height: float, style: int) -> Shape:
 
 
 def car(size: float, height: float, style: int) -> Shape:
-    """Return a toy car of length ``size`` with wheels; ``style`` chooses hatchback, van, pick-up or racer."""
+    """Return a toy car of length `size` with wheels; `style` chooses hatchback, van, pick-up or racer."""
     body_height, cabin_length, cabin_at, taper = (
         (0.50, 0.52, -0.05, 0.75),
         (0.42, 0.80, -0.06, 0.94),
@@ -182,7 +182,7 @@ def car(size: float, height: float, style: int) -> Shape:
 
 
 def star(size: float, height: float, style: int) -> Shape:
-    """Return a flat star of outer diameter ``size`` with 5 points; style 1 has 6 and is fatter."""
+    """Return a flat star of outer diameter `size` with 5 points; style 1 has 6 and is fatter."""
     points, inner = (5, 0.45) if style == 0 else (6, 0.62)
     angle = np.arange(2 * points) * np.pi / points
     radius = np.where(np.arange(2 * points) % 2 == 0, size / 2, inner * size / 2)
@@ -200,7 +200,7 @@ BUILDERS: Mapping[str, Callable[[float, float, int], Shape]] = {
 
 
 def wavefront(mesh: Mesh, lift: float) -> str:
-    """Return a mesh, raised by ``lift`` metres, as the text of a Wavefront OBJ file."""
+    """Return a mesh, raised by `lift` metres, as the text of a Wavefront OBJ file."""
     corners = [f"v {x!r} {y!r} {z!r}" for x, y, z in (mesh.vertices + np.array([0.0, 0.0, lift])).tolist()]
     normals = [f"vn {x!r} {y!r} {z!r}" for x, y, z in mesh.normals.tolist()]
     faces = [f"f {i}/1/{i} {i + 1}/1/{i + 1} {i + 2}/1/{i + 2}" for i in range(1, len(corners) + 1, 3)]
@@ -211,7 +211,7 @@ def build(shape: str, size: float, height: float, style: int) -> Shape:
     """Return the shape of that name.
 
     Args:
-        shape: Key of ``BUILDERS``.
+        shape: Key of `BUILDERS`.
         size: Largest horizontal size without a handle, metres.
         height: Metres; not used by the ball.
         style: Number of a variant.

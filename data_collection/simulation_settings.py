@@ -1,6 +1,6 @@
 """Every level of a simulated experiment: words, objects, camera, noise, motion and the tutor's thresholds.
 
-``Simulation`` is the section ``simulation:`` of an experiment in the config. Lengths in metres in the robot frame (x
+`Simulation` is the section `simulation:` of an experiment in the config. Lengths in metres in the robot frame (x
 ahead, y left), angles in degrees where named so, forces in newtons, times in seconds, colors 0..1.
 """
 
@@ -119,7 +119,7 @@ class Simulation(StrictModel):
         )
 
     def check_words(self, words: Mapping[str, Sequence[str]]) -> list[str]:
-        """Return every disagreement with the words of the experiment, ``{action, position, object, color}``."""
+        """Return every disagreement with the words of the experiment, `{action, position, object, color}`."""
         said = {
             ACTION: set(self.actions.values()),
             POSITION: set(self.places),

@@ -136,7 +136,7 @@ def arrange(
 def draw_instruction(
     rng: np.random.Generator, simulation: Simulation, target: ObjectKind, place: str
 ) -> tuple[tuple[Placed, ...], int]:
-    """Draw a scene of two or three objects of which one is ``target`` at ``place``; return it and the target's index.
+    """Draw a scene of two or three objects of which one is `target` at `place`; return it and the target's index.
 
     At least one other object shares the target's word of the color or of the object channel where the experiment has
     such objects; none shares both, so exactly one fits.

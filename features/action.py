@@ -31,13 +31,13 @@ _FAR_OUTSIDE = 0.1
 
 
 def action_names(joint_names: Sequence[str]) -> tuple[str, ...]:
-    """Name the numbers of an action, in order; 38 for the iCub's 25 joints."""
+    """Return the names of an action's numbers, in order; 38 for the iCub's 25 joints."""
     return ("hand_x", "hand_y", "hand_z", "finger_rate", *joint_names, *TACTILE_NAMES)
 
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """What maps raw numbers to [0, 1] and back; a range of zero maps to 0.
+    """A map of raw numbers to [0, 1] and back; a range of zero maps to 0.
 
     Attributes:
         lowest: float64 (dim,), raw value that becomes 0.
@@ -48,7 +48,7 @@ class Scale:
     highest: Array
 
     def scale(self, raw: Array) -> Array:
-        """Scale raw numbers (…, dim), and leave what lies beyond the ranges beyond them."""
+        """Scale raw numbers (…, dim); values beyond the ranges stay beyond them."""
         width = self.highest - self.lowest
         return np.where(width > 0, (raw - self.lowest) / np.where(width > 0, width, 1), 0.0)
 
@@ -58,10 +58,10 @@ class Scale:
 
 
 def hand_target(scale: Scale, action: Array, object_position: Array, table_height: float) -> Array:
-    """Give where an action puts the hand, metres in the robot frame.
+    """Return where an action puts the hand, metres in the robot frame.
 
     Args:
-        scale: Of actions.
+        scale: The scale of actions.
         action: (…, dim_a), scaled, as the model knows it.
         object_position: (…, 2), metres on the table.
         table_height: Height of the table (z), metres.
@@ -72,9 +72,9 @@ def hand_target(scale: Scale, action: Array, object_position: Array, table_heigh
 
 
 def within_limits(scaled: Array, names: Sequence[str], trials: NDArray[np.int64]) -> Array:
-    """Put scaled actions (D, dim_a), except the hand's place, back into [0, 1]; warn of what is far outside.
+    """Clip scaled actions (D, dim_a), except the hand's position, to [0, 1]; warn of values far outside.
 
-    Encoders and touch are noisy, so a joint at its limit may read as a little beyond it.
+    Encoders and touch are noisy, so a joint at its limit may read slightly beyond it.
     """
     bounded = np.clip(scaled, 0, 1)
     bounded[:, HAND] = scaled[:, HAND]

@@ -1,4 +1,4 @@
-"""Artifacts that are named arrays: npz without pickle, complete or not there, checked on reading."""
+"""Artifacts of named arrays: npz without pickles, never half written, checked when read."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def save_arrays(path: Path, kind: str, arrays: Mapping[str, NDArray[Any]]) -> No
     """Write named arrays; the same arrays give the same bytes.
 
     Args:
-        path: Where to.
-        kind: What the arrays are together; checked on reading.
+        path: File to write.
+        kind: What the arrays are together; checked when they are read.
         arrays: Numbers, booleans or text.
     """
     with replacing(path) as (temporary,), temporary.open("wb") as file:
@@ -34,7 +34,7 @@ def load_arrays(path: Path, kind: str, names: tuple[str, ...]) -> dict[str, NDAr
     """Read the arrays `names` that `save_arrays` has written as `kind`.
 
     Raises:
-        ArtifactError: The file is missing, damaged, of another kind, or lacks or exceeds the names.
+        ArtifactError: The file is missing, damaged, of another kind, or holds other arrays.
     """
     if not path.is_file():
         raise ArtifactError(f"{path}: no such file of {kind}")
@@ -57,7 +57,7 @@ def load_arrays(path: Path, kind: str, names: tuple[str, ...]) -> dict[str, NDAr
 
 
 def texts_to_array(texts: tuple[str | None, ...] | None, count: int) -> NDArray[np.str_]:
-    """Give texts as an array of text, empty for None."""
+    """Return texts as an array, with an empty text for None."""
     return np.array([text or "" for text in texts or (None,) * count], dtype=np.str_)
 
 

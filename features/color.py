@@ -22,7 +22,7 @@ def fit_codebook(
     Args:
         pixels: RGB pixels (P, 3) of each training object.
         colors: Number of clusters; fewer if the pixels have fewer different values, with a warning.
-        per_object: At most so many pixels of each object take part, drawn at random.
+        per_object: Largest number of pixels that an object contributes, drawn at random.
         random: Draws the pixels and the starts of k-means.
 
     Returns:
@@ -43,7 +43,7 @@ def fit_codebook(
 
 
 def histogram(pixels: NDArray[np.uint8], codebook: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Give the share (colors,) of the pixels (P, 3) that are nearest to each color; it sums to 1."""
+    """Return the share (colors,) of the pixels (P, 3) that are nearest to each color; shares sum to 1."""
     if len(pixels) == 0:
         raise ValueError("an object without pixels has no color")
     distance = (codebook**2).sum(axis=1) - 2 * pixels.astype(np.float64) @ codebook.T

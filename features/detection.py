@@ -15,7 +15,7 @@ Mask = NDArray[np.bool_]
 CROP_SIZE = 64
 """Side of an object's crop in pixels (paper, section 4.2.1)."""
 _DARK = 40.0
-"""Background darker than this (norm of RGB) tells nothing of relative brightness."""
+"""Background darker than this (norm of RGB) says nothing about relative brightness."""
 _LESSER_PART = 0.4
 """A part thinner than this share of the thickest is no object of its own (the handle of a cup)."""
 
@@ -115,8 +115,8 @@ def _components(mask: Mask, smallest_area: int) -> list[Mask]:
 def _cut_apart(component: Mask, settings: Detection) -> list[Mask]:
     """Cut a component at its necks.
 
-    A part is an object of its own if it hangs on the rest by a neck narrower than `settings.neck` times its
-    own thickness, both read from the distance to the edge.
+    A part is an object of its own if the neck that joins it to the rest is narrower than `settings.neck` times
+    its own thickness; both are read from the distance to the edge.
     """
     import cv2
 
@@ -140,7 +140,7 @@ def _cut_apart(component: Mask, settings: Detection) -> list[Mask]:
 
 
 def without_rim(found: Found, width: int) -> Found:
-    """Cut a rim of some pixels off the mask of an object: it shows a mixture of object and table.
+    """Remove the rim of an object's mask, where pixels mix object and table.
 
     An object that is nothing but rim keeps its mask.
     """
@@ -157,7 +157,7 @@ def crop(image: Image, found: Found, margin: float) -> tuple[Image, Mask]:
     Args:
         image: uint8 (H, W, 3) RGB.
         found: The object.
-        margin: Margin around the box on each side, relative to its longer side. Beyond the image's edge, its
+        margin: Margin around the box on each side, relative to its longer side. Beyond the image's edge, the
             outermost pixels are repeated.
 
     Returns:

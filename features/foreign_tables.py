@@ -1,7 +1,7 @@
-"""Read the Parquet files of strangers in processes of their own.
+"""Read Parquet files of unknown origin in child processes with limited memory and time.
 
-A file of a few kilobytes can unpack to terabytes, and Arrow ends the whole process where some parts of a footer are
-damaged. So a process with a bounded memory reads each file, and hands over the columns that the contract knows.
+A file of a few kilobytes can unpack to terabytes, and some damage to a footer crashes Arrow and the process with it.
+So a child process reads each file and returns the columns that the contract knows.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from features.table_files import DAMAGED, load
 
 
 def load_apart(paths: Mapping[str, Path]) -> dict[str, tuple[Any, list[str]]]:
-    """Read files as `table_files.load` does, each in a process of its own.
+    """Read files as `table_files.load` does, each in a child process.
 
     Args:
-        paths: The files by the key of their columns in `FILES`.
+        paths: The files, by their keys in `FILES`.
 
     Returns:
-        By the same keys the Arrow table, None where the file cannot be read, and the problems of file and types.
+        By the same keys: the Arrow table, or None if the file cannot be read, and the problems of file and types.
     """
     root = str(Path(__file__).resolve().parents[1])
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}
@@ -51,7 +51,7 @@ def load_apart(paths: Mapping[str, Path]) -> dict[str, tuple[Any, list[str]]]:
 
 
 def _result(reader: subprocess.Popen[bytes], path: Path, out: Path) -> tuple[Any, list[str]]:
-    """What a reader found, or how it ended."""
+    """What a child found, or how it ended."""
     try:
         said, _ = reader.communicate(timeout=MAX_READER_SECONDS)
     except subprocess.TimeoutExpired:
@@ -66,8 +66,8 @@ def _result(reader: subprocess.Popen[bytes], path: Path, out: Path) -> tuple[Any
 
 
 def _read(key: str, path: str, out: str) -> None:
-    """Read a file within the memory that a reader may take; problems go to stdout, the table to `out`."""
-    pa.set_memory_pool(pa.system_memory_pool())  # of all pools the one that reserves nothing in advance
+    """Read a file within the memory limit; problems go to stdout, the table to `out`."""
+    pa.set_memory_pool(pa.system_memory_pool())  # the only pool that reserves nothing in advance
     allowed = resource.getrlimit(resource.RLIMIT_AS)[1]
     limit = MAX_READER_BYTES if allowed == resource.RLIM_INFINITY else min(allowed, MAX_READER_BYTES)
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))

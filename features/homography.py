@@ -42,11 +42,11 @@ def find_marks(image: NDArray[np.uint8], rows: int, columns: int) -> Array:
 
     Args:
         image: uint8 (H, W, 3) RGB.
-        rows: Dots away from the robot.
-        columns: Dots across.
+        rows: Number of rows, one behind the other as the robot sees them.
+        columns: Number of dots per row.
 
     Returns:
-        float64 (rows · columns, 2): the dots' middles in pixels, row by row from far to near, left to right.
+        float64 (rows · columns, 2): the centres of the dots in pixels, row by row from far to near, left to right.
 
     Raises:
         CalibrationError: The grid is not there.
@@ -71,8 +71,8 @@ def fit_camera(pixels: Array, positions: Array, matrix: Array, distortion: Array
     (Zhang 2000, section 3.1).
 
     Args:
-        pixels: (N, 2) where the image shows the marks, N ≥ 4.
-        positions: (N, 2) where they are on the table, metres in the robot frame.
+        pixels: (N, 2), where the image shows the marks, N ≥ 4.
+        positions: (N, 2), where they are on the table, metres in the robot frame.
         matrix: (3, 3) K of the camera.
         distortion: D of the camera, may be empty.
 
@@ -110,7 +110,7 @@ def _project(homography: Array, points: Array) -> Array:
 
 
 def to_table(camera: Camera, pixels: Array) -> Array:
-    """Give the points (N, 2) of the table, metres in the robot frame, that are seen at `pixels` (N, 2)."""
+    """Return the points (N, 2) of the table, metres in the robot frame, that are seen at `pixels` (N, 2)."""
     flat = undistorted(pixels, camera.matrix, camera.distortion)
     return _project(np.asarray(np.linalg.inv(camera.homography), dtype=np.float64), flat)
 

@@ -1,6 +1,6 @@
 """Object feature: 4096 numbers of AlexNet's first fully connected layer, fc6 (paper, section 4.2.1).
 
-The only module that imports torch, and only when the network is run.
+The only module that imports torch, and only when the network runs.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ _BRIGHTEST = 3.0  # limit of normalised luminance: a glint does not outweigh the
 
 
 class WeightsError(RuntimeError):
-    """The network's weights cannot be had or do not fit; the message says which and why."""
+    """The network's weights cannot be loaded or do not fit; the message says which and why."""
 
 
 def network_input(crops: Image, masks: Mask, appearance: str) -> NDArray[np.float32]:
-    """Give crops the appearance that the network sees.
+    """Turn crops into the network's input.
 
     Args:
         crops: uint8 (N, 64, 64, 3) RGB.
@@ -79,7 +79,7 @@ def fc6(crops: Image, masks: Mask, settings: FeatureSettings) -> NDArray[np.floa
 
     images = network_input(crops, masks, settings.appearance)
     threads = torch.get_num_threads()
-    torch.set_num_threads(1)  # the order of the sums, and so the last bits, would hang on the number
+    torch.set_num_threads(1)  # the order of the sums, and so their last bits, would depend on the number
     try:
         network = _network(settings.weights, settings.weights_seed)
         with torch.inference_mode():
@@ -90,7 +90,7 @@ def fc6(crops: Image, masks: Mask, settings: FeatureSettings) -> NDArray[np.floa
 
 
 def _run(network: Any, images: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Run one batch, filled up to its full size: the last bits of an image's numbers may hang on the size."""
+    """Run one batch, filled up to its full size: the last bits of an image's numbers may depend on the size."""
     import torch
 
     batch = np.zeros((_BATCH, *images.shape[1:]), dtype=np.float32)
@@ -102,7 +102,7 @@ def _run(network: Any, images: NDArray[np.float32]) -> NDArray[np.float32]:
 
 @cache
 def _network(weights: str, seed: int) -> Any:
-    """Give AlexNet up to fc6, rectified, with its weights."""
+    """Return AlexNet up to fc6, rectified, with its weights."""
     import torch
 
     with torch.device("meta"):  # shapes only: the weights come from elsewhere
@@ -121,7 +121,7 @@ def _network(weights: str, seed: int) -> Any:
 
 
 def _torchvision_models() -> Any:
-    """Import torchvision's models, also where its compiled operators do not load.
+    """Import torchvision's models, even where its compiled operators do not load.
 
     A torchvision built for CUDA finds no CUDA libraries beside a CPU-only torch, its operators stay unknown,
     and `import torchvision` fails as it registers their shape rules. AlexNet uses none of them. So where (and
@@ -151,7 +151,7 @@ def _torchvision_models() -> Any:
 
 
 def _seeded(shapes: Mapping[str, tuple[int, ...]], seed: int) -> dict[str, Any]:
-    """Draw weights by He et al. 2015 (normal, variance 2 / inputs), biases zero; alike on every machine."""
+    """Draw weights by He et al. 2015 (normal, variance 2 / inputs), biases zero; the same on every machine."""
     import torch
 
     state = {}
@@ -192,7 +192,7 @@ def _loaded(weights: str, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, An
 
 
 def _shape(state: Any, name: str) -> tuple[int, ...] | None:
-    """Give the shape of one tensor of a state dict; None without it."""
+    """Return the shape of one tensor of a state dict; None without it."""
     import torch
 
     value = state.get(name) if isinstance(state, Mapping) else None

@@ -1,4 +1,4 @@
-"""What there is to see in the features of an experiment: the data of the overview figure, without drawing."""
+"""The data of the overview figure of an experiment's features; drawing is elsewhere."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def overview(percepts: Percepts, transforms: Transforms, table: FeatureTable, gr
     """Collect what the overview figure of an experiment shows.
 
     Args:
-        percepts: Of some trials.
-        transforms: Fitted on the training trials.
+        percepts: Percepts of some trials.
+        transforms: The transforms fitted on the training trials.
         table: `apply(transforms, percepts)`.
         groups: Number of groups into which k-means sorts the crops; at most the number of objects.
     """
@@ -96,18 +96,18 @@ def overview(percepts: Percepts, transforms: Transforms, table: FeatureTable, gr
 
 
 def _projection(values: Array) -> Array:
-    """Give the first two principal components (n, 2); zeros where there are not as many."""
+    """Return the first two principal components (n, 2); zeros where there are not as many."""
     left, spread, _ = np.linalg.svd(values - values.mean(axis=0), full_matrices=False)
     scores = (left * spread)[:, :2]
     return np.pad(scores, ((0, 0), (0, 2 - scores.shape[1])))
 
 
 def _by_word(words: Texts | None, count: int) -> NDArray[np.int64]:
-    """Give the order that sorts by word, unknown ones last, and is stable otherwise."""
+    """Return the order that sorts by word, unknown ones last, and is stable otherwise."""
     keys = [(word is None, word or "") for word in words or (None,) * count]
     return np.array(sorted(range(count), key=keys.__getitem__), dtype=np.int64)
 
 
 def _pick(words: Texts | None, order: NDArray[np.int64]) -> Texts | None:
-    """Give the words in an order."""
+    """Return the words in an order."""
     return None if words is None else tuple(words[i] for i in order)

@@ -1,4 +1,4 @@
-"""What one pass over the logs gives before anything is fitted: detections, crops, fc6, raw actions."""
+"""The result of one pass over the logs, before anything is fitted: detections, crops, fc6, raw actions."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Percepts:
 
     Attributes:
         trial: int64 (D,), ascending.
-        acted: bool (D,), whether an action was executed; else hand, joints and touch are those of the rest.
+        acted: bool (D,), whether an action was executed; otherwise hand, joints and touch are those at rest.
         attended_object: int64 (D,), index into the trial's objects, −1 where unknown. Where an action was
             executed it is the detection nearest to the gaze; else the truth, if the log tells it.
         words: D sentences as uttered.
@@ -55,7 +55,7 @@ class Percepts:
         fc6: float32 (N, 4096).
         pixels: uint8 (P, 3), RGB pixels inside the objects' masks, object after object.
         pixel_index: int64 (P,), row (0..N−1) of each pixel's object, ascending.
-        dropped: Why which trial was dropped, one text each.
+        dropped: Why each dropped trial was dropped.
         dropped_trial: int64, the numbers of the dropped trials, in the same order.
         truth_action: D words or None, for evaluation only.
         truth_position, truth_object, truth_color: The same, N words.
@@ -90,7 +90,7 @@ class Percepts:
 
 
 def first(percepts: Percepts, D: int) -> Percepts:
-    """Give the first D trials by number, with their objects; of these the dropped ones are missing.
+    """Return the first D trials by number, with their objects; dropped trials count, but are missing.
 
     Raises:
         ValueError: D is below 1 or above the number of trials, or all of them were dropped.
@@ -113,7 +113,7 @@ def first(percepts: Percepts, D: int) -> Percepts:
 
 
 def join(parts: Sequence[Percepts]) -> Percepts:
-    """Put the trials of several percepts one after the other, in order of their numbers.
+    """Join the trials of several percepts, in order of their numbers.
 
     Raises:
         ValueError: A trial occurs twice, the parts interleave, or their joints or tables differ.
@@ -150,7 +150,7 @@ def _chain(name: str, parts: Sequence[Percepts]) -> Any:
 
 
 def _shifted(indices: Sequence[NDArray[np.int64]], counts: Sequence[int]) -> NDArray[np.int64]:
-    """Concatenate indices into parts of `counts` rows as indices into the whole."""
+    """Concatenate indices into parts of `counts` rows, as indices into the whole."""
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     return np.concatenate([index + start for index, start in zip(indices, starts, strict=True)]).astype(np.int64)
 

@@ -34,13 +34,13 @@ def perceive(logs: Iterable[Log], calibration_log: Log, settings: FeatureSetting
     """See, feel and hear what the logs hold.
 
     Args:
-        logs: One log a trial, of one experiment and set, in any order.
-        calibration_log: Of the same experiment.
-        settings: Of detection, crops and network.
+        logs: One log per trial, of one experiment and set, in any order.
+        calibration_log: The calibration log of the same experiment.
+        settings: Settings of detection, crops and network.
 
     Raises:
-        DetectionError: An implausible number of objects, where the setting does not drop the trial; or none
-            is left.
+        DetectionError: A trial shows an implausible number of objects and the settings do not drop it, or
+            no trial is left.
         LogError: A log lacks a signal or holds a bad one.
         ValueError: Trials repeat, or their joints or images differ.
     """
@@ -84,7 +84,7 @@ def _wrong_count(trial: int, count: int, settings: Detection) -> str:
 def _perceive_trial(
     seen: Observation, true: Truth | None, found: tuple[Found, ...], view: View, settings: FeatureSettings
 ) -> Percepts:
-    """Give the percepts of one trial, with fc6 still to come."""
+    """Return the percepts of one trial, with fc6 still to come."""
     image = seen.image_before
     inner = [without_rim(one, settings.mask_edge) for one in found]
     crops, masks = zip(*(crop(image, one, settings.crop_margin) for one in inner), strict=True)
@@ -122,7 +122,7 @@ def _perceive_trial(
 
 
 def _match(position: NDArray[np.float64], true: Truth | None) -> NDArray[np.int64]:
-    """Give the true object (N,) that each detection is, nearest together; −1 for none."""
+    """Return the true object (N,) of each detection, matched by distance; −1 for none."""
     from scipy.optimize import linear_sum_assignment
 
     match = np.full(len(position), -1)
@@ -135,7 +135,7 @@ def _match(position: NDArray[np.float64], true: Truth | None) -> NDArray[np.int6
 
 
 def _attended(seen: Observation, position: NDArray[np.float64], match: NDArray[np.int64], true: Truth | None) -> int:
-    """Give the detection that the robot looks at; where it does not look, the true one; −1 for none."""
+    """Return the detection that the robot looks at, or the true one if it does not look; −1 for none."""
     if seen.gaze_target is not None:
         return int(np.linalg.norm(position - seen.gaze_target, axis=1).argmin())
     rows = np.flatnonzero(match == true.attended) if true is not None else np.zeros(0)
@@ -143,5 +143,5 @@ def _attended(seen: Observation, position: NDArray[np.float64], match: NDArray[n
 
 
 def _true_words(match: NDArray[np.int64], words: Texts | None) -> Texts | None:
-    """Give the true word of each detection."""
+    """Return the true word of each detection."""
     return None if words is None else tuple(words[i] if i >= 0 else None for i in match)

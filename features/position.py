@@ -2,7 +2,7 @@
 
 A homography maps points of the table's plane, and what stands on the table rises above it. So the outline is
 explained as that of an upright solid on the table, and the middle of the solid's foot is the position. The solid
-takes in boxes, cylinders, cups and balls, and what is between; of anything else it takes the size.
+covers boxes, cylinders, cups, balls and shapes in between; of any other object it takes the size.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _STEP = 1e-7  # for the slopes of the extents
 
 
 def standing_position(mask: NDArray[np.bool_], camera: Camera) -> NDArray[np.float64]:
-    """Give the position (2,) of the object with this mask on the table, metres in the robot frame.
+    """Return the position (2,) of the object with this mask on the table, metres in the robot frame.
 
     Fits place, size and form of the solid to the outline's extents in 32 directions of the image. Where the
     image's edge cuts the object off, the solid may extend further.
@@ -62,7 +62,7 @@ def standing_position(mask: NDArray[np.bool_], camera: Camera) -> NDArray[np.flo
         habit = _HABIT * np.stack([slimness, parameters[..., 3], parameters[..., 8]], axis=-1)
         return np.concatenate([outside, habit], axis=-1)
 
-    def slope(parameters: Array) -> Array:  # all differences in one go: most of the time is spent here
+    def slope(parameters: Array) -> Array:  # all differences at once: most of the time is spent here
         return (off(parameters + _STEP * np.eye(len(parameters))) - off(parameters)).T / _STEP
 
     fits = []
@@ -78,7 +78,7 @@ def standing_position(mask: NDArray[np.bool_], camera: Camera) -> NDArray[np.flo
 
 
 def _hull(mask: NDArray[np.bool_]) -> Array:
-    """Give the corners (n, 2) of the pixels on the convex outline of a mask."""
+    """Return the corners (n, 2) of the pixels on the convex outline of a mask."""
     import cv2
 
     rows, columns = np.nonzero(mask)
@@ -90,7 +90,7 @@ def _hull(mask: NDArray[np.bool_]) -> Array:
 
 
 def _solid(origin: Array, parameters: Array) -> Array:
-    """Give points (…, n, 3) on upright superellipsoids with parameters (…, 9)."""
+    """Return points (…, n, 3) on upright superellipsoids with parameters (…, 9)."""
     columns = np.moveaxis(parameters, -1, 0)[..., None, None]
     x, y, log_radius, log_ratio, turn, squareness, log_height, roundness, taper = columns
     power = 2 / (1 - squareness)

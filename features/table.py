@@ -113,7 +113,7 @@ def import_table(
     words: Mapping[str, Sequence[str]] | None = None,
     need_attention: bool,
 ) -> FeatureTable:
-    """Read a feature table that somebody else wrote, in processes of bounded memory; see `check_table`.
+    """Read a feature table of unknown origin, in child processes with limited memory; see `check_table`.
 
     Raises:
         TableError: The files break the contract; the message lists all problems.
@@ -163,7 +163,7 @@ def _sound_table(
 
 
 def read_metadata(path: Path | str) -> dict[str, str]:
-    """Read what `write_table` was given as metadata from one of its files."""
+    """Read the metadata that `write_table` was given from one of its files."""
     stored = pq.read_schema(path).metadata or {}
     return {key.decode(): value.decode() for key, value in stored.items() if not key.startswith(b"ARROW:")}
 
@@ -200,7 +200,7 @@ def write_table(
 
 
 def head(table: FeatureTable, D: int) -> FeatureTable:
-    """Give the first D trials by number, with their objects.
+    """Return the first D trials by number, with their objects.
 
     Raises:
         ValueError: D is below 1 or above the number of trials.

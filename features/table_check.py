@@ -14,7 +14,7 @@ from features.table_columns import EXPECTED, FILES, Column
 from features.table_files import nulls, numbers
 
 MAX_ROWS_NAMED = 20
-"""So many rows are named for one breach of one column; the rest is counted."""
+"""Number of rows named for one breach of one column; the rest are counted."""
 COLOR_SUM_TOLERANCE = 1e-6
 """How far the sum of a color histogram may be from 1."""
 
@@ -37,7 +37,7 @@ def problems_of_tables(
         words: The experiment's words of each channel; None to accept any.
 
     Returns:
-        One message a breach, each with file, column, row and what is expected.
+        One message per breach, with file, column, row and what is expected.
     """
     problems: list[str] = []
     for file, table, columns in zip(files, (trials, objects), FILES.values(), strict=True):
@@ -52,7 +52,7 @@ def problems_of_tables(
 
 
 def _at(file: str, column: str, rows: Iterable[Any], describe: Callable[[int], str]) -> list[str]:
-    """One message a row, and a last one that counts the rows beyond `MAX_ROWS_NAMED`."""
+    """One message per row, and a last one that counts the rows beyond `MAX_ROWS_NAMED`."""
     numbers = [int(row) for row in rows]
     lines = [f"{file}: column {column!r}, row {row}: {describe(row)}" for row in numbers[:MAX_ROWS_NAMED]]
     if len(numbers) > MAX_ROWS_NAMED:
@@ -80,7 +80,7 @@ def _column_problems(file: str, column: Column, values: Any, words: Mapping[str,
 
 
 def _allowed_words(column: Column, words: Mapping[str, Sequence[str]] | None) -> Sequence[str] | None:
-    """Give the words a text or a sentence may hold; None for any."""
+    """The words that a text or a sentence may hold; None for any."""
     if words is None:
         return None
     if column.channel is not None:
@@ -129,7 +129,7 @@ def _vector_problems(file: str, column: Column, values: Any, null: NDArray[np.bo
     huge = any_in_row(np.abs(np.nan_to_num(number, posinf=0, neginf=0)) > MAX_NUMBER)
     problems += _at(file, column.name, np.flatnonzero(huge), lambda row: f"holds a number beyond ±{MAX_NUMBER:g}")
     if usual > MAX_VECTOR_LENGTH:
-        problems.append(f"{file}: column {column.name!r}: {usual:,} numbers a row; at most {MAX_VECTOR_LENGTH:,}")
+        problems.append(f"{file}: column {column.name!r}: {usual:,} numbers per row; at most {MAX_VECTOR_LENGTH:,}")
     if column.histogram:
         negative = any_in_row(number < 0)
         problems += _at(
@@ -153,7 +153,7 @@ def _integers(table: Any, name: str) -> tuple[NDArray[np.int64], NDArray[np.intp
 
 
 def _relation_problems(files: tuple[str, str], trials: Any, objects: Any, need_attention: bool) -> list[str]:
-    """Keys of both files and the attention, against each other."""
+    """Problems between the files: keys and attention."""
     problems = []
     trial, owner, index = (
         _integers(trials, "trial"),

@@ -1,6 +1,6 @@
 """What is fitted on the D training trials and applied to all scenes: components, colors, scales.
 
-The fitted transforms are an artifact of their own (npz), so that test scenes see those of the training.
+The fitted transforms are an artifact of their own (npz), so that test scenes go through those of the training.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Transforms:
-    """Fitted on the training trials of one condition.
+    """The transforms fitted on the training trials of one condition.
 
     Attributes:
         pca_mean: float64 (4096,), mean of fc6.
@@ -62,7 +62,7 @@ class Transforms:
         return Scale(self.action_lowest, self.action_highest)
 
     def hand_target(self, action: Array, object_position: Array) -> Array:
-        """Give where an action (…, dim_a) at an object (…, 2) puts the hand: (…, 3), metres, robot frame."""
+        """Return where an action (…, dim_a) at an object (…, 2) puts the hand: (…, 3), metres, robot frame."""
         return hand_target(self.action_scale, action, object_position, float(self.table_height))
 
 
@@ -72,8 +72,8 @@ def fit_transforms(percepts: Percepts, settings: FeatureSettings, seed: int, *na
     Args:
         percepts: The D training trials of the condition.
         settings: How many components and colors, and which scale.
-        seed: Of the study.
-        names: What names the condition (experiment, D); with the seed they decide the draws.
+        seed: The study's seed.
+        names: Names of the condition (experiment, D); with the seed they determine the draws.
 
     Raises:
         ValueError: No trial in which an action was executed, or fewer than two objects.
@@ -91,7 +91,7 @@ def fit_transforms(percepts: Percepts, settings: FeatureSettings, seed: int, *na
         random = generator(seed, "features", "codebook", *names)
         codebook = fit_codebook(pixels, settings.colors, settings.color_pixels, random)
     scale = fit_action_scale(relative_hand(percepts)[acted], percepts.joint_lower, percepts.joint_upper)
-    # Where a file of weights lies says nothing elsewhere; what it holds does.
+    # The path of a weights file means nothing elsewhere; its content does.
     told = {key: value for key, value in json.loads(settings.canonical()).items() if key != "weights"}
     provenance = {
         "settings": told,
@@ -115,7 +115,7 @@ def fit_transforms(percepts: Percepts, settings: FeatureSettings, seed: int, *na
 
 
 def _principal_components(values: Array, components: int) -> tuple[Array, Array]:
-    """Give mean and the leading components of rows of values; as many as the rows allow."""
+    """Return mean and the leading components of rows of values; as many as the rows allow."""
     from sklearn.decomposition import PCA
 
     allowed = len(values) - 1
@@ -127,7 +127,7 @@ def _principal_components(values: Array, components: int) -> tuple[Array, Array]
 
 
 def _ranges(values: Array, scale: str) -> tuple[Array, Array]:
-    """Give what becomes 0 and 1 in each column (one range for all of them by default, a choice of ours)."""
+    """Return the values that become 0 and 1 in each column (by default one range for all columns, our choice)."""
     if scale == "none":
         return np.zeros(values.shape[1]), np.ones(values.shape[1])
     if scale == "per_component":
@@ -136,7 +136,7 @@ def _ranges(values: Array, scale: str) -> tuple[Array, Array]:
 
 
 def relative_hand(percepts: Percepts) -> Array:
-    """Give the hand relative to the attended object, (D, 3); to x = y = 0 on the table without one."""
+    """Return the hand relative to the attended object, (D, 3); without one, to x = y = 0 on the table."""
     count = np.searchsorted(percepts.trial_index, np.arange(len(percepts.trial)))
     known = percepts.attended_object >= 0
     rows = np.where(known, count + percepts.attended_object, 0)
@@ -173,11 +173,11 @@ def apply(transforms: Transforms, percepts: Percepts) -> FeatureTable:
 
 
 def table_metadata(transforms: Transforms, dropped: Sequence[str] = ()) -> dict[str, str]:
-    """Give the metadata of the Parquet files: the action's names and scaling, and where all is from.
+    """Return the metadata of the Parquet files: the action's names and scaling, and the provenance.
 
     Args:
-        transforms: What the table was made with.
-        dropped: Why which of the set's trials are missing (`Percepts.dropped`).
+        transforms: The transforms that the table was made with.
+        dropped: Why trials of the set are missing (`Percepts.dropped`).
     """
     gone = {"dropped": json.dumps(list(dropped), ensure_ascii=False)} if dropped else {}
     return gone | {

@@ -1,4 +1,4 @@
-"""What one calibration log says: the empty table, and how the camera sees it."""
+"""The view that a calibration log gives: the empty table and the camera."""
 
 from __future__ import annotations
 

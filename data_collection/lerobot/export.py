@@ -15,7 +15,7 @@ from data_collection.log.mcap_log import LogError
 
 
 def export(logs: Sequence[Path], folder: Path) -> None:
-    """Write the trials of ``logs`` as a LeRobot dataset; the folder appears only when it is complete.
+    """Write the trials of `logs` as a LeRobot dataset; the folder appears only when it is complete.
 
     Args:
         logs: Logs of trials; calibration logs and instructions without an action are passed over.

@@ -1,6 +1,6 @@
 """The features of a dataset: their names, sizes and types, as its files describe them.
 
-``observation.state`` are the 25 joint positions, ``action`` those of the next frame, ``observation.tactile`` the nine
+`observation.state` are the 25 joint positions, `action` those of the next frame, `observation.tactile` the nine
 touch values.
 """
 
@@ -37,7 +37,7 @@ def huggingface_features() -> dict[str, Any]:
 
 
 def features(size: tuple[int, ...]) -> dict[str, Any]:
-    """Return the features as ``info.json`` lists them, for images of ``size`` (height, width, 3)."""
+    """Return the features as `info.json` lists them, for images of `size` (height, width, 3)."""
     features: dict[str, Any] = {
         key: {"dtype": "float32", "shape": [len(names)], "names": list(names)} for key, names in VECTORS.items()
     }

@@ -25,7 +25,7 @@ class Statistics:
         self._append(IMAGE_KEY, pixels / 255.0)
 
     def result(self) -> dict[str, dict[str, Any]]:
-        """Return the statistics in the form of ``stats.json``; those of images have shape (3, 1, 1)."""
+        """Return the statistics in the form of `stats.json`; those of images have shape (3, 1, 1)."""
         found: dict[str, dict[str, Any]] = {}
         for key, parts in self._parts.items():
             counts = np.array([part[4] for part in parts], dtype=np.float64)[:, None]

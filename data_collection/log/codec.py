@@ -21,7 +21,7 @@ def _store() -> Any:
 
 
 def definition(type_name: str) -> bytes:
-    """Return the full message definition (``ros2msg`` schema) of a type."""
+    """Return the full message definition (`ros2msg` schema) of a type."""
     text, _ = _store().generate_msgdef(type_name, ros_version=2)
     return str(text).encode()
 
@@ -40,7 +40,7 @@ def decode_image(data: bytes) -> Image:
     """Return a PNG or JPEG as RGB (H, W, 3).
 
     Raises:
-        ValueError: The bytes are no image, or one of more than ``MAX_PIXELS``.
+        ValueError: The bytes are no image, or one of more than `MAX_PIXELS`.
     """
     import cv2
     from PIL import Image as Pillow
@@ -61,11 +61,11 @@ def decode_image(data: bytes) -> Image:
 
 
 def encode(type_name: str, value: Value, time: int, frame: str) -> bytes:
-    """Return ``value`` as a CDR message of a type in ``TOPICS``.
+    """Return `value` as a CDR message of a type in `TOPICS`.
 
     Args:
         type_name: ROS 2 type.
-        value: Decoded value, as ``decode`` gives it.
+        value: Decoded value, as `decode` gives it.
         time: Stamp of the header, nanoseconds.
         frame: Frame of the header.
     """
@@ -137,7 +137,7 @@ def encode(type_name: str, value: Value, time: int, frame: str) -> bytes:
 
 
 def decode(type_name: str, data: bytes) -> Value:
-    """Return the plain value of a CDR message; the inverse of ``encode``.
+    """Return the plain value of a CDR message; the inverse of `encode`.
 
     Raises:
         ValueError: An image cannot be decoded; damaged CDR raises errors of other types too.

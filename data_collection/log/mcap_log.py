@@ -31,9 +31,9 @@ class Message:
     """One message.
 
     Attributes:
-        topic: Topic in ``TOPICS``.
+        topic: Topic in `TOPICS`.
         time: Log time, nanoseconds.
-        value: Decoded value: number, array, text, ``JointState``, ``CameraInfo``, transforms.
+        value: Decoded value: number, array, text, `JointState`, `CameraInfo`, transforms.
     """
 
     topic: str
@@ -57,10 +57,10 @@ class Log:
 
 
 def write_log(path: Path, log: Log) -> None:
-    """Write ``log``; the same log gives the same bytes, and the file appears only when it is complete.
+    """Write `log`; the same log gives the same bytes, and the file appears only when it is complete.
 
     Raises:
-        LogError: A message is on a topic that ``TOPICS`` has not, or out of time order.
+        LogError: A message is on a topic that `TOPICS` has not, or out of time order.
     """
     times = [message.time for message in log.messages]
     if times != sorted(times):
@@ -73,13 +73,13 @@ def write_log(path: Path, log: Log) -> None:
 
 
 def read_log(path: Path) -> Log:
-    """Read a log with every checksum checked; topics that are not in ``TOPICS`` are passed over.
+    """Read a log with every checksum checked; topics that are not in `TOPICS` are passed over.
 
     Messages come in order of time, whatever their order in the file.
 
     Raises:
         LogError: The file is missing, truncated, damaged, too large or no MCAP, or a topic is not of its type in
-            ``TOPICS``, or comes again where it may come once.
+            `TOPICS`, or comes again where it may come once.
     """
     try:
         if not path.is_file():
@@ -152,7 +152,7 @@ def _read(content: bytes, source: str) -> Log:
 
 
 def _unfit(data: bytes, record: ChannelRecord, schema: Schema | None, counts: Counter[str]) -> str | None:
-    """Return why a message on a topic of ``TOPICS`` is not even decoded, or None."""
+    """Return why a message on a topic of `TOPICS` is not even decoded, or None."""
     topic = BY_TOPIC[record.topic]
     if schema is None or schema.name != topic.value.type:
         return f"is of type {schema.name if schema else 'unknown'}, {topic.value.type} is expected"

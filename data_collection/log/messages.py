@@ -32,8 +32,8 @@ class CameraInfo:
         width: Image columns.
         height: Image rows.
         K: (3, 3) intrinsic matrix, pixels.
-        D: (5,) distortion k1 k2 p1 p2 k3 (``plumb_bob``); zeros for the simulated camera.
-        frame: Frame of the camera in ``/tf`` (optical: x right, y down, z ahead).
+        D: (5,) distortion k1 k2 p1 p2 k3 (`plumb_bob`); zeros for the simulated camera.
+        frame: Frame of the camera in `/tf` (optical: x right, y down, z ahead).
     """
 
     width: int
@@ -45,7 +45,7 @@ class CameraInfo:
 
 @dataclass(frozen=True)
 class Transform:
-    """Pose of frame ``child`` in frame ``parent``: (7,) x y z in metres and quaternion x y z w."""
+    """Pose of frame `child` in frame `parent`: (7,) x y z in metres and quaternion x y z w."""
 
     parent: str
     child: str

@@ -1,6 +1,6 @@
 """The one table of signals: what a log of a trial, or of a calibration, holds.
 
-Writer, reader, validator and documentation derive from ``CHANNELS``.
+Writer, reader, validator and documentation derive from `CHANNELS`.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from typing import Literal
 from data_collection.joints import JOINT_NAMES, TACTILE_NAMES
 
 LogKind = Literal["trial", "instruction", "calibration"]
-"""``trial``: an action was executed. ``instruction``: scene and sentence only (set ``generation``)."""
+"""`trial`: an action was executed. `instruction`: scene and sentence only (set `generation`)."""
 
 ROOT_FRAME = "root_link"
 """Robot frame: origin at the robot's root, x ahead, y left, z up, metres."""

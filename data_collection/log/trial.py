@@ -66,8 +66,8 @@ class Truth:
         positions: (M, 2) metres ahead and left, before the action.
         attended: Index of the object that was acted on, or that the instruction means.
         action_word: Word for what happened, or what the instruction demands.
-        outcome: What physically happened: ``action``, ``contact``, ``held``, ``rise``, ``hand_error``, ``toppled``;
-            in an instruction only ``action`` and ``word``.
+        outcome: What physically happened: `action`, `contact`, `held`, `rise`, `hand_error`, `toppled`;
+            in an instruction only `action` and `word`.
     """
 
     object_words: tuple[str, ...]

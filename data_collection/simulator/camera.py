@@ -9,7 +9,7 @@ from data_collection.simulator.scene import intrinsics
 
 
 def expose(rng: np.random.Generator, image: Image, camera: Camera) -> Image:
-    """Return ``image`` with the camera's blur and noise."""
+    """Return `image` with the camera's blur and noise."""
     if camera.blur > 0.0:
         import cv2
 

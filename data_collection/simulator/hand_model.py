@@ -1,6 +1,6 @@
 """The right hand that the robot is given: five bending fingers, 14 revolute joints that 9 logged joints drive.
 
-Palm frame (``r_palm``): origin in the middle of the palm, x along the stretched fingers, z out of the palm, and y
+Palm frame (`r_palm`): origin in the middle of the palm, x along the stretched fingers, z out of the palm, and y
 towards the little finger (the iCub's own Denavit–Hartenberg frame of the right hand).
 """
 
@@ -21,7 +21,7 @@ class Finger:
     """One finger of the right hand in the palm frame.
 
     Attributes:
-        name: ``thumb``, ``index``, ``middle``, ``ring`` or ``little``.
+        name: `thumb`, `index`, `middle`, `ring` or `little`.
         base: Where its first joint sits, metres.
         direction: Angle in the palm's plane from x towards −y (the thumb's side), radians.
         lengths: Of the proximal and the distal phalanx, metres.

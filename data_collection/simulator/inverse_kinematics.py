@@ -20,7 +20,7 @@ _GAZE_EASE = 0.05 * np.array([1.0, 1.0, 1.0, 2.0])
 
 
 def reach(robot: Kinematics, position: Floats, start: Floats, comfortable: Floats) -> Floats:
-    """Bring the grasp point to ``position`` with the palm as much downwards as the limits allow.
+    """Bring the grasp point to `position` with the palm as much downwards as the limits allow.
 
     Args:
         robot: Its kinematics.
@@ -54,7 +54,7 @@ def reach(robot: Kinematics, position: Floats, start: Floats, comfortable: Float
 
 
 def look(robot: Kinematics, target: Floats, posture: Floats, comfortable: Floats) -> Floats:
-    """Return ``posture`` (25,) with head and eyes turned so that both eyes fixate ``target`` (3,)."""
+    """Return `posture` (25,) with head and eyes turned so that both eyes fixate `target` (3,)."""
 
     def whole(angles: Floats) -> Floats:
         turned = posture.copy()

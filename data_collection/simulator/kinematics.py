@@ -1,7 +1,7 @@
 """Forward kinematics of the robot, from its URDF, in numpy: to plan without moving the acting robot.
 
 Angles in radians, lengths in metres, everything in the robot frame. The 30 revolute joints of the model follow the 25
-logged ones of ``joints.JOINT_NAMES`` by a matrix: version and vergence turn both eyes, one joint spreads three
+logged ones of `joints.JOINT_NAMES` by a matrix: version and vergence turn both eyes, one joint spreads three
 fingers, one bends ring and little finger.
 """
 
@@ -39,7 +39,7 @@ _UNIT = np.eye(4)
 
 
 def joint_index(names: Sequence[str]) -> NDArray[np.intp]:
-    """Return where logged joints stand in ``JOINT_NAMES``."""
+    """Return where logged joints stand in `JOINT_NAMES`."""
     return np.array([JOINT_NAMES.index(name) for name in names])
 
 
@@ -59,7 +59,7 @@ class _Joint:
     square: Floats
 
     def turned(self, angle: float) -> Floats:
-        """Return the (4, 4) rotation by ``angle`` about the axis (Rodrigues)."""
+        """Return the (4, 4) rotation by `angle` about the axis (Rodrigues)."""
         return _UNIT + (math.sin(angle) * self.cross + (1.0 - math.cos(angle)) * self.square)
 
 
@@ -168,7 +168,7 @@ def _chain(tree: Mapping[str, _Joint], link: str) -> tuple[_Joint, ...]:
 
 
 def cross(rows: Floats, others: Floats) -> Floats:
-    """Return the cross products of rows (N, 3) with rows (N, 3) or one vector, at a tenth of ``np.cross``."""
+    """Return the cross products of rows (N, 3) with rows (N, 3) or one vector, at a tenth of `np.cross`."""
     (a, b, c), (x, y, z) = rows.T, others.T
     return np.stack([b * z - c * y, c * x - a * z, a * y - b * x], axis=1)
 

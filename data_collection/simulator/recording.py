@@ -187,6 +187,6 @@ def _minimum_jerk(share: float) -> tuple[float, float]:
 
 
 def smooth(start: Floats, goal: Floats, share: float, seconds: float) -> tuple[Floats, Floats]:
-    """Return posture and velocity at a share 0..1 of a minimum-jerk movement of ``seconds``."""
+    """Return posture and velocity at a share 0..1 of a minimum-jerk movement of `seconds`."""
     position, speed = _minimum_jerk(share)
     return start + position * (goal - start), speed / seconds * (goal - start)

@@ -61,12 +61,12 @@ class Robot:
                 self._client.changeDynamics(self.body, link, lateralFriction=friction, spinningFriction=0.01)
 
     def place(self, angles: Floats) -> None:
-        """Put all joints at ``angles`` (25,) at once, at rest: to begin a trial, or to draw what was recorded."""
+        """Put all joints at `angles` (25,) at once, at rest: to begin a trial, or to draw what was recorded."""
         for joint, angle in zip(self._joints, self.kinematics.to_model @ angles, strict=True):
             self._client.resetJointState(self.body, joint, angle, 0.0)
 
     def drive(self, angles: Floats, velocities: Floats) -> None:
-        """Send the motors to ``angles`` (25,) with ``velocities`` (25,) as feed-forward, radians and seconds."""
+        """Send the motors to `angles` (25,) with `velocities` (25,) as feed-forward, radians and seconds."""
         self._client.setJointMotorControlArray(
             self.body,
             self._joints,
@@ -97,7 +97,7 @@ class Robot:
         """Return the contact forces of the hand on each body that it touches.
 
         Returns:
-            Body → (10,) newtons: the nine sensors of ``joints.TACTILE_NAMES``, then all other parts of the arm.
+            Body → (10,) newtons: the nine sensors of `joints.TACTILE_NAMES`, then all other parts of the arm.
         """
         forces: dict[int, Floats] = {}
         for body in bodies:
@@ -121,7 +121,7 @@ class Robot:
 
 
 def finger_angles(rate: float) -> Floats:
-    """Return the nine hand angles, radians, for a bend of all five fingers by ``rate``, 0 open .. 1 closed."""
+    """Return the nine hand angles, radians, for a bend of all five fingers by `rate`, 0 open .. 1 closed."""
     # The thumb bends mostly at its tip: it meets the object below its middle and does not push it out of the hand.
     spread, oppose = 12.0 * (1.0 - rate), 88.0
     thumb, thumb_tip = 2.0 + 36.0 * rate, 2.0 + 74.0 * rate

@@ -1,8 +1,8 @@
-"""URDF of the iCub used here: the installed ``icub-models`` robot, amended in memory by a hand and eyes.
+"""URDF of the iCub used here: the installed `icub-models` robot, amended in memory by a hand and eyes.
 
 Nothing of the package is copied: its URDF is read from where it is installed and changed as a tree. Legs and left
 arm are held fixed, sensor frames without a body are dropped, the rigid right hand of the model is replaced by one of
-our own with bending fingers (``hand_model``), and the head gets two eyes (tilt, pan left, pan right). Lengths in
+our own with bending fingers (`hand_model`), and the head gets two eyes (tilt, pan left, pan right). Lengths in
 metres, angles in radians.
 """
 
@@ -46,7 +46,7 @@ def robot_urdf(*, meshes: bool = True, own_view: bool = False) -> str:
     """Return the amended URDF as text with absolute mesh paths.
 
     Args:
-        meshes: False leaves ``package://`` paths, for logs, which must not hold a machine's paths.
+        meshes: False leaves `package://` paths, for logs, which must not hold a machine's paths.
         own_view: True leaves undrawn what its own eyes do not look at (head, legs, left arm): quick to render.
 
     Raises:
@@ -89,7 +89,7 @@ def _check(robot: ElementTree.Element, path: Path) -> None:
 
 
 def _fix(joint: ElementTree.Element, angle: float) -> None:
-    """Turn a revolute joint into a fixed one that stands at ``angle``."""
+    """Turn a revolute joint into a fixed one that stands at `angle`."""
     joint.set("type", "fixed")
     origin, axis = joint.find("origin"), joint.find("axis")
     if angle and origin is not None and axis is not None:

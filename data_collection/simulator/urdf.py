@@ -18,7 +18,7 @@ def at(xyz: Sequence[float], rpy: Sequence[float] = (0.0, 0.0, 0.0)) -> ElementT
 
 
 def solid(kind: str, **sizes: str) -> ElementTree.Element:
-    """The geometry of a shape: ``box``, ``cylinder`` or ``sphere`` with its sizes."""
+    """The geometry of a shape: `box`, `cylinder` or `sphere` with its sizes."""
     geometry = ElementTree.Element("geometry")
     ElementTree.SubElement(geometry, kind, sizes)
     return geometry
@@ -70,7 +70,7 @@ def add_joint(
     axis: Sequence[float] | None = None,
     limits: tuple[float, float] = (0.0, 0.0),
 ) -> None:
-    """Append a revolute joint, or a fixed one when ``axis`` is None."""
+    """Append a revolute joint, or a fixed one when `axis` is None."""
     joint = ElementTree.SubElement(robot, "joint", {"name": name, "type": "fixed" if axis is None else "revolute"})
     joint.append(origin)
     ElementTree.SubElement(joint, "parent", {"link": parent})

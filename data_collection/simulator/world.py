@@ -25,7 +25,7 @@ _SETTLING = 24
 
 
 class World:
-    """One simulated robot at its table, shared by many trials; ``set_up`` makes each start from the same state.
+    """One simulated robot at its table, shared by many trials; `set_up` makes each start from the same state.
 
     Args:
         simulation: Settings of the experiment.
@@ -131,7 +131,7 @@ class World:
         gaze_offset: Floats,
         lifts: Callable[[float], bool],
     ) -> Recording:
-        """Look at an object, bring the hand to ``target``, bend the fingers, and test by lifting what is in the hand.
+        """Look at an object, bring the hand to `target`, bend the fingers, and test by lifting what is in the hand.
 
         Args:
             attended: Index of the object to look at.

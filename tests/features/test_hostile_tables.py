@@ -160,7 +160,7 @@ def test_vectors_of_absurd_length_are_refused(folder: Path, file: str, column: C
     long = [1.0] + [0.0] * MAX_VECTOR_LENGTH
     data[file][column.name] = [long for _ in data[file][column.name]]
     (problem,) = refusals(saved(folder, data))
-    assert f"column {column.name!r}: 1,001 numbers a row; at most 1,000" in problem
+    assert f"column {column.name!r}: 1,001 numbers per row; at most 1,000" in problem
 
 
 @pytest.mark.parametrize(
@@ -377,7 +377,7 @@ def test_a_reader_has_a_bounded_memory(tmp_path: Path, megabytes: int, says: str
 
 
 def read_damaged(folder: Path, which: int, mutations: list[Mutation]) -> None:
-    """It is refused, or says what it said: its pages have checksums, and what the footer says must fit them."""
+    """It is refused, or says what it said: its pages have checksums, and what the footer says must match them."""
     (folder / "sound").mkdir(exist_ok=True)
     paths = folder / "sound" / "trials.parquet", folder / "sound" / "objects.parquet"
     if not paths[1].exists():
