@@ -108,7 +108,7 @@ scale: $(READY)
 	$(PYTHON) -m benchmarks.scale needs $(OUT)/scale --times 10 > $(OUT)/bench/scale.md
 
 docs: $(READY)
-	$(PYTHON) -m workflow.plan.reference docs
+	$(PYTHON) -m workflow.plan.reference docs/config.md config/config.schema.json
 
 # pip-compile resolves with pip itself; a local build label such as +cpu is on no public index, and is left out.
 lock:

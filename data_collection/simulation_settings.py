@@ -59,13 +59,13 @@ class Simulation(StrictModel):
         ge=0.0,
         le=180.0,
     )
-    table: Table = Field(Table(), description="the table")
-    light: Light = Field(Light(), description="the light")
-    camera: Camera = Field(Camera(), description="the camera")
-    noise: Noise = Field(Noise(), description="noise of the senses")
-    motion: Motion = Field(Motion(), description="motion")
-    hand: Hand = Field(Hand(), description="the hand")
-    tutor: Tutor = Field(Tutor(), description="the tutor's thresholds")
+    table: Table = Table()
+    light: Light = Light()
+    camera: Camera = Camera()
+    noise: Noise = Noise()
+    motion: Motion = Motion()
+    hand: Hand = Hand()
+    tutor: Tutor = Tutor()
 
     @field_validator("actions", "places", "colors")
     @classmethod

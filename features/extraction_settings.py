@@ -55,7 +55,7 @@ class Detection(StrictModel):
 class FeatureSettings(StrictModel):
     """How features are extracted from logs; every key has a default."""
 
-    detection: Detection = Field(Detection(), description="how objects are found against the empty table")
+    detection: Detection = Detection()
     crop_margin: float = Field(
         0.1, ge=0, le=2, description="margin around an object's crop, relative to its longer side"
     )

@@ -69,10 +69,21 @@ class Trials:
         """The number of trials D."""
         return len(self.channels[0].speaker)
 
-    @property
+    @cached_property
     def sentence_lengths(self) -> Ints:
         """(D,) the number of words N_d of each trial."""
         return np.bincount(self.word_trial, minlength=self.count).astype(np.int64)
+
+    @cached_property
+    def longest_sentence(self) -> int:
+        """The largest N_d."""
+        return int(self.sentence_lengths.max())
+
+    @cached_property
+    def sentences_by_length(self) -> dict[int, int]:
+        """How many sentences there are of each length that occurs, shortest first."""
+        lengths, counts = np.unique(self.sentence_lengths, return_counts=True)
+        return {int(N): int(count) for N, count in zip(lengths, counts, strict=True)}
 
     @cached_property
     def sentence_bounds(self) -> Ints:

@@ -78,17 +78,17 @@ def _run_chain(
     iterations, keep = sampler.iterations, min(sampler.keep_history, sampler.iterations)
     log_joint = np.empty(iterations)
     used = np.empty((iterations, len(problem.priors)), dtype=np.int64)
-    kept = (np.arange(1, keep + 1) * iterations) // max(keep, 1) - 1
+    kept = [(h * iterations) // keep for h in range(1, keep + 1)]
     history: list[Partition] = []
     state = sampler.init(rng, problem)
     for i in range(iterations):
         state = sampler.step(rng, problem, state, i)
         log_joint[i] = log_marginal_joint(problem, state)
         used[i] = [np.count_nonzero(np.bincount(z)) for z in state.z]
-        if i in kept:
+        if i + 1 in kept:
             history.append(state)
         progress(i + 1)
-    past = History.of(kept + 1, history) if history else None
+    past = History.of(np.array(kept), history) if history else None
     return Fit(problem, sampler, sampler.finish(problem, state), log_joint, used, seed, past)
 
 

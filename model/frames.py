@@ -58,29 +58,24 @@ class FramePrior(ABC):
             most: What the sampler takes at a time where the prior leaves it the choice.
         """
 
-    def longest_sentence(self, channels: int) -> float:
+    def word_limit(self, channels: int) -> float:
         """Return how many words a sentence of the trials may have."""
         return math.inf
 
     def listed(self, trials: Trials, most: int) -> FrameList:
         """Return the allowed frames of the words that are sampled together, see `joint_words`."""
-        longest = max(1, int(trials.sentence_lengths.max()))
-        return _frame_list(self, len(trials.channels), self.joint_words(longest, most))
+        return _frame_list(self, len(trials.channels), self.joint_words(max(1, trials.longest_sentence), most))
 
     def draw(self, rng: np.random.Generator, trials: Trials) -> Ints:
         """Draw F (T,) from the prior."""
-        lengths = trials.sentence_lengths
-        frames = {N: self.allowed(len(trials.channels), int(N)) for N in np.unique(lengths)}
-        chosen = [frames[N][rng.integers(len(frames[N]))] for N in lengths if N > 0]
+        frames = {N: self.allowed(len(trials.channels), N) for N in trials.sentences_by_length}
+        chosen = [frames[N][rng.integers(len(frames[N]))] for N in trials.sentence_lengths if N > 0]
         return np.concatenate([np.empty(0, dtype=np.int64), *chosen])
 
     def log_probability(self, trials: Trials, F: Ints) -> float:
         """Return log p(F) of allowed frames (T,), equation (1)."""
-        lengths, sentences = np.unique(trials.sentence_lengths, return_counts=True)
-        return -sum(
-            int(n) * float(np.log(self.count(len(trials.channels), int(N))))
-            for N, n in zip(lengths, sentences, strict=True)
-        )
+        C = len(trials.channels)
+        return -sum(n * float(np.log(self.count(C, N))) for N, n in trials.sentences_by_length.items())
 
     def explained(self, trials: Trials, F: Ints, c: int) -> Flags:
         """Return (T,) whether channel c explains each word."""
@@ -132,7 +127,7 @@ class Distinct(FramePrior):
         """Return the whole sentence: its words exclude each other's channels."""
         return longest
 
-    def longest_sentence(self, channels: int) -> float:
+    def word_limit(self, channels: int) -> float:
         """Return one word per channel."""
         return channels
 

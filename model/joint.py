@@ -28,7 +28,7 @@ def log_joint(problem: Problem, state: State) -> float:
     per_word = word_log_weights(problem, state.z, state.log_words)
     for c, (channel, prior) in enumerate(zip(problem.trials.channels, problem.priors, strict=True)):
         z, log_weights, K = state.z[c], state.log_weights[c], prior.categories
-        before = gaussian_posterior(channel.features[:0], z[:0], K, problem.gaussian(c))
+        before = gaussian_posterior(channel.features[:0], z[:0], K, problem.gaussians[c])
         emission = gaussian_log_density(channel.features, state.mean[c], state.factor[c])
         word_prior = np.full(state.log_words[c].shape, prior.word_concentration)
         total += dirichlet_log_density(log_weights[None, :], np.full((1, K), prior.concentration / K))
@@ -45,7 +45,7 @@ def log_marginal_joint(problem: Problem, state: Partition) -> float:
     for c, (channel, prior) in enumerate(zip(problem.trials.channels, problem.priors, strict=True)):
         counts = word_counts(problem, c, state.z[c], state.F)
         weight, gamma = prior.concentration / prior.categories, prior.word_concentration
-        total += _channel_log_marginal(channel.features, state.z[c], counts, weight, gamma, problem.gaussian(c))
+        total += _channel_log_marginal(channel.features, state.z[c], counts, weight, gamma, problem.gaussians[c])
     return total
 
 
@@ -72,7 +72,7 @@ def draw_parameters(rng: np.random.Generator, problem: Problem) -> State:
         log_weights.append(draw_log_dirichlet(rng, np.full((1, K), prior.concentration / K), 1)[0])
         z.append(draw_categorical(rng, np.tile(log_weights[-1], (len(channel.features), 1))))
         nothing = channel.features[:0], z[-1][:0]
-        drawn_mean, drawn_factor = draw_posterior_gaussians(rng, *nothing, K, 1, problem.gaussian(c))
+        drawn_mean, drawn_factor = draw_posterior_gaussians(rng, *nothing, K, 1, problem.gaussians[c])
         mean.append(drawn_mean)
         factor.append(drawn_factor)
         log_words.append(draw_words(rng, np.full((K, len(design.vocabulary)), prior.word_concentration)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -33,7 +34,7 @@ class Problem:
     def __post_init__(self) -> None:
         if len(self.priors) != len(self.trials.channels):
             raise ValueError(f"{len(self.priors)} priors for {len(self.trials.channels)} channels")
-        limit = self.frame_prior.longest_sentence(len(self.priors))
+        limit = self.frame_prior.word_limit(len(self.priors))
         long = np.flatnonzero(self.trials.sentence_lengths > limit)
         if len(long):
             raise ValueError(
@@ -58,9 +59,11 @@ class Problem:
         """The prior of the frames."""
         return self.method.frame_prior
 
-    def gaussian(self, c: int) -> GaussianPrior:
-        """The prior of the Gaussians of channel c."""
-        return self.priors[c].gaussian(self.trials.channels[c].dim)
+    @cached_property
+    def gaussians(self) -> tuple[GaussianPrior, ...]:
+        """The priors of the Gaussians, one per channel."""
+        pairs = zip(self.trials.channels, self.priors, strict=True)
+        return tuple(prior.gaussian(channel.dim) for channel, prior in pairs)
 
     def explained(self, F: Ints, c: int) -> Flags:
         """(T,) whether channel c explains each word."""

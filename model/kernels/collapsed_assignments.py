@@ -89,7 +89,7 @@ def elements_of(problem: Problem, c: int, F: Ints) -> Elements:
         trials.words[c],
         *trials.words_by_element[c],
         problem.explained(F, c),
-        problem.gaussian(c),
+        problem.gaussians[c],
         prior.concentration / prior.categories,
         prior.word_concentration,
     )

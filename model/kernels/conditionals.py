@@ -74,7 +74,7 @@ def draw_categories(
 ) -> tuple[Floats, Floats]:
     """Draw μ and the Cholesky factor of Σ of all K categories given z; settings as in `samplers.Blocked`."""
     K, features = problem.priors[c].categories, problem.trials.channels[c].features
-    mean, factor = draw_posterior_gaussians(rng, features, z, K, averaged_draws, problem.gaussian(c))
+    mean, factor = draw_posterior_gaussians(rng, features, z, K, averaged_draws, problem.gaussians[c])
     if empty_category == "uniform":
         empty = np.bincount(z, minlength=K) == 0
         mean[empty] = rng.uniform(*problem.priors[c].box, size=(int(empty.sum()), mean.shape[1]))
@@ -84,7 +84,7 @@ def draw_categories(
 def categories_log_density(problem: Problem, c: int, z: Ints, mean: Floats, factor: Floats) -> float:
     """Log density of all μ and Σ of a channel given z."""
     features = problem.trials.channels[c].features
-    posterior = gaussian_posterior(features, z, problem.priors[c].categories, problem.gaussian(c))
+    posterior = gaussian_posterior(features, z, problem.priors[c].categories, problem.gaussians[c])
     return float(np.sum(giw_log_density(posterior, mean, factor)))
 
 

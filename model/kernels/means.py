@@ -18,7 +18,7 @@ def posterior_means(problem: Problem, state: Partition) -> State:
     """
     log_weights, mean, factor, log_words = [], [], [], []
     for c, (channel, prior) in enumerate(zip(problem.trials.channels, problem.priors, strict=True)):
-        posterior = gaussian_posterior(channel.features, state.z[c], prior.categories, problem.gaussian(c))
+        posterior = gaussian_posterior(channel.features, state.z[c], prior.categories, problem.gaussians[c])
         excess = posterior.degrees_of_freedom - channel.dim - 1.0
         divisor = np.where(excess > 0.0, excess, posterior.degrees_of_freedom + channel.dim + 1.0)
         log_weights.append(_log_means(posterior.counts + prior.concentration / prior.categories))

@@ -191,10 +191,11 @@ def test_bad_requests(simulation: Simulation, set_name: str, numbers: Sequence[i
 
 def test_noise_levels_are_settings(real: Simulation) -> None:
     """Without noise two pictures of the same scene are equal; with it they differ by its size."""
-    quiet = dataclasses.replace(real, camera=dataclasses.replace(real.camera, noise=0.0, blur=0.0))
+    sharp = real.camera.model_copy(update={"blur": 0.0})
+    quiet = sharp.model_copy(update={"noise": 0.0})
     noisy, clean = (
         np.asarray(calibrate(each, experiment="e", seed=1, provenance={}).messages[1].value, dtype=np.float64)
-        for each in (dataclasses.replace(real, camera=dataclasses.replace(real.camera, blur=0.0)), quiet)
+        for each in (real.model_copy(update={"camera": camera}) for camera in (sharp, quiet))
     )
     assert (noisy - clean).std() == pytest.approx(real.camera.noise, rel=0.1)
 

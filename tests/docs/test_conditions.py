@@ -11,7 +11,7 @@ import pytest
 from model import Prior
 from tests.docs.conditions import PAGE, Example, examples, in_words, patched, planned, prepare
 from tests.workflow.runs import jobs
-from workflow.plan.study import HYPERPARAMETERS
+from workflow.plan.variants import HYPERPARAMETERS
 
 EXAMPLES = list(examples())
 RUN = [sys.executable, "-m", "workflow", "run", "--config", "config/changed.yaml", "--out", "results"]
@@ -27,7 +27,7 @@ REAL = {
 
 
 def test_the_page_has_an_example_of_each_kind() -> None:
-    assert len(EXAMPLES) == PAGE.read_text(encoding="utf-8").count("```yaml") == 10
+    assert len(EXAMPLES) == PAGE.read_text(encoding="utf-8").count("```yaml") == 11
     assert {example.name for example in EXAMPLES} >= REAL
 
 

@@ -41,7 +41,7 @@ def test_every_file_of_a_study_has_its_place(finished: Path) -> None:
 
 @pytest.mark.slow
 def test_arrays_and_columns_are_those_of_the_files(finished: Path) -> None:
-    fits = finished / "fits/simulator/default/proposed/blocked/D6/ROW0"
+    fits = finished / "fits/simulator/default/proposed/published/D6/ROW0"
     named = re.findall(r"^\| (`.+?`) \|", SECTIONS["Fits"], flags=re.MULTILINE)
     with np.load(fits / "seed1.npz") as arrays:
         channels = arrays["channels"].tolist()

@@ -81,7 +81,8 @@ def test_the_config_reference_is_up_to_date() -> None:
 
 def test_the_config_reference_has_every_key() -> None:
     page = reference()
-    for key in ("averaged_draws", "nu0_minus_dim", "components", "most_objects", "objects_least", "saturation"):
+    keys = ("averaged_draws", "temperature", "extra_degrees_of_freedom", "components", "most_objects", "saturation")
+    for key in keys:
         assert f"| `{key}` |" in page
     assert "| `ROW` | list of 1 or more, each: whole number from 0 to 100 | `[0]` |" in page
     assert "$ref" not in page

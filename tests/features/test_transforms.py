@@ -38,7 +38,7 @@ def percepts(logs: Any) -> Percepts:
 
 
 def with_settings(**changes: Any) -> FeatureSettings:
-    return replace(SETTINGS, **changes)
+    return FeatureSettings.model_validate(SETTINGS.model_dump() | changes)
 
 
 def test_the_table_keeps_the_contract(percepts: Percepts, tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import cv2
@@ -73,7 +72,7 @@ def test_cuts_apart_what_touches_in_the_image(scene: Any, solid: Any) -> None:
     image = scene.image(pair)
     found = detect(image, scene.empty(), SETTINGS)
     assert [overlap(one.mask, scene.mask(true)) > 0.85 for one, true in zip(found, pair, strict=True)] == [True] * 2
-    assert len(detect(image, scene.empty(), replace(SETTINGS, neck=0.0))) == 1
+    assert len(detect(image, scene.empty(), Detection(neck=0.0))) == 1
 
 
 @pytest.mark.parametrize("kind", ["box", "cup", "ball"])

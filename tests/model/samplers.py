@@ -65,8 +65,8 @@ def quantities(problem: Problem, state: Partition) -> Floats:
             word_counts(problem, c, z, state.F),
             problem.trials.words[c],
         )
-        posterior = gaussian_posterior(channel.features, z, K, problem.gaussian(c))
-        emission = gaussian_log_marginal(problem.gaussian(c), posterior) / channel.features.size
+        posterior = gaussian_posterior(channel.features, z, K, problem.gaussians[c])
+        emission = gaussian_log_marginal(problem.gaussians[c], posterior) / channel.features.size
         result += [
             same.mean(),
             close.mean(),

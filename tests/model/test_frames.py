@@ -22,7 +22,7 @@ FRAMES: dict[str, Callable[[int, int], list[tuple[int, ...]]]] = {
 def test_allowed_frames(name: str) -> None:
     prior = METHODS[name].frame_prior
     for C, N in product(range(1, 5), range(4)):
-        if N <= prior.longest_sentence(C):
+        if N <= prior.word_limit(C):
             assert prior.allowed(C, N).tolist() == [list(frame) for frame in FRAMES[name](C, N)]
             assert prior.count(C, N) == len(FRAMES[name](C, N))
 

@@ -45,7 +45,7 @@ def log_words_given_frames(learned: Fit, z: tuple[int, ...], words: list[int]) -
     frame_prior = learned.problem.frame_prior
     if not frame_prior.has_frames:
         return float(sum(theta[c][w] for c in range(C) for w in words))
-    if N <= frame_prior.longest_sentence(C):
+    if N <= frame_prior.word_limit(C):
         frames = [list(enumerate(f)) for f in frame_prior.allowed(C, N)]
     else:
         frames = [[(n, c) for c, n in enumerate(chosen)] for chosen in permutations(range(N), C)]

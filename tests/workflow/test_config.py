@@ -23,10 +23,10 @@ from tests.synthetic import WORDS
 from tests.workflow.configs import FILE, minimal
 from tests.workflow.violations import broken, sample
 from workflow.artifacts.provenance import ROOT
-from workflow.plan import messages
 from workflow.plan.config import ConfigError, read_config
 from workflow.plan.loading import load_study, plan
-from workflow.plan.messages import key_path
+from workflow.plan.problems import key_path
+from workflow.plan.problems import problems_of as told
 from workflow.plan.schema import config_schema, inner
 from workflow.plan.study_config import StudyConfig
 
@@ -89,7 +89,7 @@ def schema_problems(config: dict[str, Any]) -> list[str]:
     try:
         StudyConfig.model_validate(config)
     except ValidationError as error:
-        return messages.problems_of(error, config)
+        return told(error, config)
     return []
 
 
@@ -153,6 +153,16 @@ def test_broken_key_is_named(path: tuple[str | int, ...], broken: dict[str, Any]
             "proposed is not run (allowed: mmlda, from experiments.own.methods)",
         ),
         (
+            {"samplers": {"a": {"kind": "blocked"}}, "figure": {"sampler": "b"}},
+            "experiments.own.figure.sampler",
+            "b is not run (allowed: a, from experiments.own.samplers)",
+        ),
+        (
+            {"variants": {"few": {"only": {"samplers": ["released"]}}}},
+            "experiments.own.variants.few.only.samplers[0]",
+            "released is not run (allowed: published, from experiments.own.samplers)",
+        ),
+        (
             {"variants": {"few": {"only": {"ROW": [0, 9]}}}},
             "experiments.own.variants.few.only.ROW[1]",
             "9 is not run (allowed: 0, from experiments.own.ROW)",
@@ -198,6 +208,83 @@ def test_broken_key_is_named(path: tuple[str | int, ...], broken: dict[str, Any]
 def test_contradictions_are_named(change: dict[str, Any], where: str, says: str) -> None:
     problems = problems_of(minimal(**change))
     assert any(problem.startswith(where) and says in problem for problem in problems), problems
+
+
+@pytest.mark.bad_input
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (
+            {"trails": 5},
+            ": unknown key 'trails'; did you mean 'trials'? (allowed: D, K, ROW, data, description, "
+            "feature_extraction, features, figure, generation, logs, methods, samplers, seed, seeds, simulation, "
+            "trials, trials_per_job, variants, words)",
+        ),
+        ({"D": None}, ": key 'D' is missing (numbers of training trials; the first D are used)"),
+        ({"ROW": [0, 140]}, ".ROW[1]: 140 is more than the maximum of 100 (a whole number from 0 to 100)"),
+        ({"ROW": [0, True]}, ".ROW[1]: True must be a whole number from 0 to 100"),
+        (
+            {"simulation": {"light": {"direction": [1, 2]}}},
+            ".simulation.light.direction: [1, 2] needs 3 entries (from the table to the lamp)",
+        ),
+        ({"ROW": [5, 5]}, ".ROW: 5 stands twice (rates of omitted words in per cent)"),
+        (
+            {"seeds": 2.0},
+            ".seeds: 2.0 must be a whole number from 1 to 100000 (fits per condition, with seeds 1, 2, …)",
+        ),
+        (
+            {"methods": ["propsed"]},
+            ".methods[0]: 'propsed' is unknown; did you mean 'proposed'? (allowed: proposed, no_mec2, "
+            "mmlda, gmm)",
+        ),
+        (
+            {"K": {"aktion": 5}},
+            ".K: unknown key 'aktion'; did you mean 'action'? (allowed: action, position, object, color)",
+        ),
+        (
+            {"simulation": {"actions": {"touhc": "x"}}},
+            ".simulation.actions: unknown key 'touhc'; did you mean 'touch'? (allowed: reach, touch, "
+            "grasp, look-at)",
+        ),
+        (
+            {"simulation": {"table": {"color": [0.5, 2, 0.5]}}},
+            ".simulation.table.color[1]: 2 is more than the maximum of 1 (a number from 0 to 1)",
+        ),
+        (
+            {"simulation": {"objects_most": 9}},
+            ".simulation.objects_most: 9 objects need as many places, there are 4",
+        ),
+        (
+            {"samplers": {"fast": {"kind": "bloked"}}},
+            ".samplers.fast.kind: 'bloked' is unknown; did you mean 'blocked'? (allowed: blocked, collapsed)",
+        ),
+        (
+            {"samplers": {"fast": {"iterations": 5}}},
+            ".samplers.fast: key 'kind' is missing (allowed: blocked, collapsed)",
+        ),
+        (
+            {"samplers": {"fast": {"kind": "collapsed", "averaged_draws": 5}}},
+            ".samplers.fast: unknown key 'averaged_draws' (allowed: chains, iterations, keep_history, "
+            "kind, temperature)",
+        ),
+        (
+            {"samplers": {"fast": {"kind": "blocked", "iterations": 10**30}}},
+            f".samplers.fast.iterations: {10**30} is more than the maximum of 1000000 (sweeps per chain)",
+        ),
+    ],
+    ids=lambda value: str(value)[:60],
+)  # fmt: skip
+def test_messages_say_what_is_wrong_where_and_what_is_allowed(change: dict[str, Any], says: str) -> None:
+    assert problems_of(minimal(**change)) == (f"experiments.own{says}",)
+
+
+def test_all_problems_are_told_in_one_order() -> None:
+    wrong = {"seeds": 0, "ROW": ["a"], "words": None, "K": 0}
+    config = minimal(**wrong) | {"sead": 1}
+    assert [problem.partition(": ")[0] for problem in problems_of(config)] == [
+        "experiments.own.K", "experiments.own.ROW[0]", "experiments.own.seeds", "the config"
+    ]  # fmt: skip
+    assert problems_of(dict(reversed(config.items()))) == problems_of(config)
 
 
 def test_sharing_the_data_of_an_experiment_that_shares() -> None:
@@ -280,10 +367,15 @@ HOSTILE_WORDS = (
 
 
 @pytest.mark.bad_input
-@pytest.mark.parametrize("kind", ["experiment", "variant", "data", "figure"])
+@pytest.mark.parametrize("kind", ["experiment", "variant", "sampler", "data", "figure"])
 @pytest.mark.parametrize("name", HOSTILE_NAMES, ids=lambda name: repr(name)[:30])
 def test_names_that_are_no_part_of_a_path(kind: str, name: str) -> None:
-    config = minimal(**{"variant": {"variants": {name: {}}}, "data": {"data": name, "words": None}}.get(kind, {}))
+    samplers = {"samplers": {name: {"kind": "blocked"}}}
+    config = minimal(
+        **{"variant": {"variants": {name: {}}}, "sampler": samplers, "data": {"data": name, "words": None}}.get(
+            kind, {}
+        )
+    )
     if kind == "experiment":
         config = {"experiments": {name: config["experiments"]["own"]}}
     if kind == "figure":
@@ -375,6 +467,8 @@ def test_names_that_some_disks_do_not_tell_apart() -> None:
         "experiments.own: differs from experiments.Own"
     )
     assert "only in capitals" in problems_of(minimal(variants={"few": {}, "Few": {}}))[0]
+    samplers = {name: {"kind": "blocked"} for name in ("fast", "Fast")}
+    assert "only in capitals" in problems_of(minimal(samplers=samplers))[0]
 
 
 def test_the_schema_for_editors_accepts_what_is_accepted() -> None:

@@ -165,7 +165,7 @@ def test_the_config_is_edited_while_the_study_runs(own: Own, tmp_path: Path) -> 
         shutil.copy(path, tmp_path)
     config, out = tmp_path / own.config.name, tmp_path / "out"
     edited = yaml.safe_load(config.read_text())
-    edited["iterations"] += 1
+    edited["samplers"]["published"]["iterations"] += 1
     with start(config, out) as process:
         wait_until((out / ".snakemake").is_dir, process)
         config.write_text("{")

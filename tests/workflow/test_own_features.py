@@ -23,7 +23,7 @@ def test_own_features_give_tables_and_figures(tmp_path: Path) -> None:
     defined = scores[(scores.method == "proposed")].set_index("measure")["value"]
     assert defined.notna().all()
     assert defined["ARI_c"] > 0.5  # three far clusters
-    fit = load(out / "fits/own/default/proposed/blocked/D20/ROW0/seed1.npz")
+    fit = load(out / "fits/own/default/proposed/published/D20/ROW0/seed1.npz")
     assert [channel.features.shape[1] for channel in fit.trials.channels] == [38, 2, 100, 10]
     assert (out / "tables" / "own_csl.html").stat().st_size > 500
     # Without logs there is nothing of crops, pictures or clips to show.

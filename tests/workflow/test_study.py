@@ -33,7 +33,7 @@ def test_every_stage_left_its_artifacts(finished: Path) -> None:
     assert "tables/simulator_csl_differences.csv" in found
     assert {f"tables/simulator_uncertain.{form}" for form in ("csv", "md", "tex", "html")} <= set(found)
     assert {f"figures/simulator_{name}.png" for name in ("uncertain", "instructions")} <= set(found)
-    assert "generation/simulator/default/proposed/blocked/D6/ROW0/seed1/scores.csv" in found
+    assert "generation/simulator/default/proposed/published/D6/ROW0/seed1/scores.csv" in found
     assert "scores.csv" in found
     shown: tuple[str, ...] = ("words", "positions", "object_categories", "color_categories", "generation", "objects")
     shown += ("confusion_proposed", "confusion_mmlda")

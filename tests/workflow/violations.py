@@ -51,8 +51,8 @@ def broken(schema: Schema, value: Any, path: Path = ()) -> Iterator[tuple[str, P
     schema = resolved(schema)
     if "discriminator" in schema:
         kinds = schema["discriminator"]["mapping"]
-        for wrong in ("text", 5, None, ["a"], {}):
-            yield f"no kind {wrong!r}", path, wrong
+        none_at_all: list[Any] = ["text", 5, None, ["a"], {}]
+        yield from ((f"no kind {wrong!r}", path, wrong) for wrong in none_at_all)
         yield "unknown kind", (*path, "kind"), value | {"kind": "no_such_kind"}
         schema = resolved({"$ref": kinds[value["kind"]]})
     if "oneOf" in schema:  # one value for all channels, or a mapping of values
@@ -63,7 +63,8 @@ def broken(schema: Schema, value: Any, path: Path = ()) -> Iterator[tuple[str, P
             yield from broken(schema["oneOf"][0], value, path)
         return
     free = "const" in schema or "enum" in schema
-    for wrong in ["nonsense", 17, None] if free else WRONG_TYPES[schema["type"]]:
+    kinds_of_wrong: list[Any] = ["nonsense", 17, None] if free else WRONG_TYPES[schema["type"]]
+    for wrong in kinds_of_wrong:
         if not (path[-1:] == ("kind",) and isinstance(wrong, str)):  # another kind has other keys
             yield f"wrong type or value {wrong!r}", path, wrong
     yield from _out_of_range(schema, path)

@@ -6,10 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from workflow.plan.config_types import CHANNELS, WORDLESS
-from workflow.plan.messages import key_path
+from workflow.plan.problems import key_path
 from workflow.plan.study import TASKS, Experiment, Study, feature_files, log_folder_trials
 from workflow.plan.study_config import ExperimentConfig, StudyConfig, completed
 
+MAX_FITS = 100_000
+"""Fits, and jobs that simulate, of one experiment."""
 # Keys that say nothing where the data come from elsewhere.
 USELESS_WITH = {
     "trials": ("features", "logs", "data"),
@@ -98,6 +100,15 @@ def _conditions_not_run(where: str, settings: ExperimentConfig) -> Iterator[str]
                         f"{where}.{place}.{key}{f'[{i}]' if listed else ''}: {value} is not run "
                         f"(allowed: {allowed}, from {where}.{SOURCES.get(key, key)})"
                     )
+
+
+def size_problems(study: Study, name: str) -> Iterator[str]:
+    """More jobs than anybody means."""
+    if (count := study.size(name)) > MAX_FITS:
+        yield (
+            f"{key_path(['experiments', name])}: asks for {count:,} fits and parts of a simulation; at most "
+            f"{MAX_FITS:,} are run (fewer seeds, D or variants)"
+        )
 
 
 def grid_problems(study: Study, name: str) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""The reference of all config keys, and the JSON schema for editors: `python -m workflow.plan.reference docs`."""
+"""The reference of all config keys, and the JSON schema for editors: `make docs`."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from data_collection.files import replacing
+from workflow.plan.checks import MAX_FITS
 from workflow.plan.config import MAX_CONFIG_BYTES, MAX_CONFIG_VALUES
-from workflow.plan.loading import MAX_FITS
-from workflow.plan.schema import Schema, allowed, config_schema, inner, resolved
+from workflow.plan.schema import Schema, allowed, config_schema, inner, meaning_of, resolved
 
 HEAD = """\
 # Config reference
@@ -26,11 +26,12 @@ runs. Nothing may stand twice in a list of conditions (`D`, `ROW`, `methods`, â€
 The file is read as data: no tags, no aliases, at most {bytes:,} bytes and {values:,} values. An experiment has at
 most {fits:,} fits and parts of a simulation.
 
-`make docs` also writes the JSON schema `docs/config.schema.json`, with which editors complete keys, show what they
-mean and mark mistakes as you type. An editor with a YAML language server uses it where a config begins with
+`make docs` also writes the JSON schema `config/config.schema.json`, with which editors complete keys, show what they
+mean and mark mistakes as you type. An editor with a YAML language server uses it where a config in that folder begins
+with
 
 ```yaml
-# yaml-language-server: $schema=../docs/config.schema.json
+# yaml-language-server: $schema=config.schema.json
 ```
 """
 
@@ -81,8 +82,8 @@ def _section(path: str, schema: Schema) -> list[str]:
         places = [f"{path}.{below}".removeprefix(".") for below, _ in _below(key, value)]
         links = ", ".join(f"[{place}](#{_anchor(place)})" for place in places)
         shown = f"`{_literal(value['default'])}`" if value.get("default", []) != [] and not links else ""
-        shown = "required" if key in schema.get("required", ()) else shown
-        cells = (f"`{key}`", links or allowed(value), shown, value.get("description", ""))
+        shown = "required" if key in schema.get("required", ()) or "const" in value else shown
+        cells = (f"`{key}`", links or allowed(value), shown, meaning_of(value))
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return [*lines, ""]
 
@@ -102,9 +103,8 @@ def _literal(value: Any) -> str:
 
 
 def main() -> None:
-    """Write both into the folder that is given."""
-    folder = Path(sys.argv[1])
-    with replacing(folder / "config.md", folder / "config.schema.json") as (page, schema):
+    """Write both to the paths that are given."""
+    with replacing(*map(Path, sys.argv[1:3])) as (page, schema):
         page.write_text(reference(), encoding="utf-8")
         schema.write_text(json.dumps(config_schema(), ensure_ascii=False), encoding="utf-8")
 

@@ -61,6 +61,12 @@ def inner(schema: Schema, key: str | int) -> Schema:
     return resolved(found) if isinstance(found, Mapping) else {}
 
 
+def meaning_of(schema: Schema) -> str:
+    """What a key means; of the sentence that describes a model, what stands in it."""
+    text = str(schema.get("description", ""))
+    return text[0].lower() + text[1:-1] if text.endswith(".") else text
+
+
 def allowed(schema: Schema) -> str:
     """What a value may be, in words."""
     if values := choices(schema):
@@ -71,9 +77,9 @@ def allowed(schema: Schema) -> str:
         return f"{allowed(schema['oneOf'][0])}; or a mapping from channels to such numbers"
     match schema.get("type"):
         case "integer":
-            return f"whole number{_range(schema)}"
+            return f"whole number{range_text(schema)}"
         case "number":
-            return f"number{_range(schema)}"
+            return f"number{range_text(schema)}"
         case "array":
             least, most = schema.get("minItems", 0), schema.get("maxItems")
             count = f" of {least}" if least == most else "" if least == 0 else f" of {least} or more"
@@ -92,14 +98,14 @@ def choices(schema: Schema) -> list[str]:
     return list(schema["enum"]) if "enum" in schema else [schema["const"]] if "const" in schema else []
 
 
-def _range(schema: Schema) -> str:
-    low, high, above = schema.get("minimum"), schema.get("maximum"), schema.get("exclusiveMinimum")
-    if above is not None:
-        return f" above {above:g}"
-    if low is None:
-        return ""
-    return f" from {low:{_form(low)}}" + ("" if high is None else f" to {high:{_form(high)}}")
+def range_text(schema: Schema) -> str:
+    """The range of a number, with a space before it; nothing where there is none."""
+    low, high, above = (schema.get(key) for key in ("minimum", "maximum", "exclusiveMinimum"))
+    start = "" if low is None else f" from {number_text(low)}"
+    end = "" if high is None else f" to {number_text(high)}"
+    return start + end + ("" if above is None else f" above {number_text(above)}")
 
 
-def _form(number: float) -> str:
-    return "d" if isinstance(number, int) else "g"
+def number_text(number: float) -> str:
+    """A number as people write it: 4, not 4.0."""
+    return str(int(number)) if number == int(number) else repr(number)

@@ -75,8 +75,8 @@ class FeatureTable(StrictModel):
 class FeatureTables(FeatureTable):
     """Feature tables of your own instead of a simulation."""
 
-    generation: Maybe[FeatureTable] = Field(None, description="the table of the generation task")
-    description: Maybe[FeatureTable] = Field(None, description="the table of the description task")
+    generation: Maybe[FeatureTable] = None
+    description: Maybe[FeatureTable] = None
 
 
 class Shared(StrictModel):
@@ -95,7 +95,8 @@ class Shared(StrictModel):
     samplers: dict[Name, AnySampler] = Field(
         {"published": Blocked()},
         min_length=1,
-        description="the samplers that are run, by a name of your choice: a kind and its settings",
+        description="the samplers that are run, by a name of your choice: a kind and its settings; those of an "
+        "experiment replace those at the top",
     )
 
     def given(self) -> dict[str, Any]:
@@ -106,7 +107,7 @@ class Shared(StrictModel):
 class ExperimentConfig(Shared):
     """One experiment: where its data come from, its words, and its conditions."""
 
-    words: Maybe[Words] = Field(None, description="the words by channel: the true channel of each word")
+    words: Maybe[Words] = None
     D: Several[TrialCount] = Field(description="numbers of training trials; the first D are used")
     ROW: Several[Percent] = Field((0,), description="rates of omitted words in per cent")
     seeds: int = Field(10, ge=1, le=100_000, description="fits per condition, with seeds 1, 2, …")
@@ -124,18 +125,12 @@ class ExperimentConfig(Shared):
         description="trials that one job simulates; "
         "logs come in whole jobs, so that a larger D leaves the earlier ones alone",
     )
-    generation: Generation = Field(
-        Generation(), description="the action generation task: instructions that the robot carries out"
-    )
-    description: Description = Field(
-        Description(), description="the action description task: actions that the robot tells about"
-    )
-    figure: Figure = Field(Figure(), description="the fit that figures show")
-    simulation: Simulation = Field(
-        Simulation(), description="the simulated robot, table, objects and tutor; every key has a default"
-    )
-    feature_extraction: FeatureSettings = Field(FeatureSettings(), description="how features are extracted from logs")
-    features: Maybe[FeatureTables] = Field(None, description="feature tables of your own instead of a simulation")
+    generation: Generation = Generation()
+    description: Description = Description()
+    figure: Figure = Figure()
+    simulation: Simulation = Simulation()
+    feature_extraction: FeatureSettings = FeatureSettings()
+    features: Maybe[FeatureTables] = None
     logs: Maybe[FilePath] = Field(
         None,
         description="a folder of MCAP logs of your own robot (calibration.mcap and train/trial_0001.mcap …) instead "

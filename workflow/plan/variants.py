@@ -38,7 +38,7 @@ class Only(StrictModel):
 class _Variant(StrictModel):
     """Changes of hyperparameters against the paper's, each a number, or one for each channel; and where it is run."""
 
-    only: Only = Field(Only(), description="the conditions that it is run for")
+    only: Only = Only()
 
 
 if TYPE_CHECKING:
@@ -50,7 +50,8 @@ else:
         """The type of a hyperparameter of the config, and its field: what `model.Prior` says of it."""
         field = Prior.model_fields[HYPERPARAMETERS[key]]
         number = Annotated[(field.annotation, *field.metadata)]
-        return PerChannel[number], Field(field.default, description=field.description)
+        default = "; by default that of the experiment" if key == "K" else ""
+        return PerChannel[number], Field(field.default, description=f"{field.description}{default}")
 
     Variant = create_model(
         "Variant",

@@ -138,7 +138,7 @@ rule report:
         figures=[shown_figure(*names) for names in SHOWN_FIGURES],
         droppable=list(dict(droppable())),
         sources={name: source_in_words(experiment) for name, experiment in study.experiments.items()},
-        settings={name: overview(experiment) for name, experiment in study.experiments.items()},
+        settings={name: all_settings(experiment) for name, experiment in study.experiments.items()},
         python=python_version(),
         packages=pinned_packages(),
         hashes={"code": study_hash(), "environment.lock": lock_hash()},

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from evaluation.catalogue import FIGURES, files_of_tables, shown_figure, tables_of
 from workflow.artifacts.versions import pinned_packages, python_version, study_hash
-from workflow.plan.overview import overview, source_in_words
+from workflow.plan.all_settings import all_settings, source_in_words
 
 # The experiments with instructions to answer.
 INSTRUCTED = [name for name in study.experiments if study.generation_condition(name)]
@@ -99,9 +99,9 @@ def feature_inputs(name):
 
 
 def trial_inputs(name):
-    files, _ = simulation_inputs(name) or (None, None)
-    logs = [log_path(name, "train", trial) for trial in study.trials(name, "train")[:12]]
-    return None if files is None else ({"logs": logs}, {})
+    if simulation_inputs(name) is None:  # an experiment that shares the data of another has no trials of its own
+        return None
+    return {"logs": [log_path(name, "train", trial) for trial in study.trials(name, "train")[:12]]}, {}
 
 
 def simulation_inputs(name):

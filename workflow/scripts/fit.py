@@ -4,8 +4,9 @@ from pathlib import Path
 
 from data_collection.seeding import generator
 from features.table import read_table
-from model import METHODS, SAMPLERS, Prior, Problem, Trials, fit, save
+from model import Prior, Problem, Trials, fit, save
 from model.omission import kept_words
+from model.samplers import sampler_of
 from workflow.execution.job import job
 
 with job(snakemake):
@@ -14,9 +15,9 @@ with job(snakemake):
     trials = Trials.from_arrays(**table.learning_input())
     # The same words are omitted for all methods, so that methods are compared in pairs.
     omission = generator(params.seed, "omission", params.data, int(names.D), int(names.seed))
-    trials = trials.keep_words(kept_words(omission, len(trials.word_trial), int(names.ROW)))
-    priors = tuple(Prior.model_validate(params.priors[channel.name]) for channel in trials.channels)
-    sampler = SAMPLERS[params.sampler["kind"]].model_validate(params.sampler)
-    condition = [names.experiment, names.variant, names.method, sampler.stream, names.D, names.ROW, names.seed]
-    result = fit(Problem(trials, METHODS[names.method], priors), sampler, generator(params.seed, "fit", *condition))
-    save(result, Path(snakemake.output[0]))
+    heard = trials.keep_words(kept_words(omission, len(trials.word_trial), int(names.ROW)))
+    priors = [Prior(**params.priors[channel.name]) for channel in trials.channels]
+    sampler = sampler_of(params.sampler)
+    condition = names.experiment, names.variant, names.method, sampler.stream, names.D, names.ROW, names.seed
+    rng = generator(params.seed, "fit", *condition)
+    save(fit(Problem.of(heard, names.method, priors), sampler, rng), Path(snakemake.output[0]))

@@ -9,7 +9,17 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from workflow.plan.schema import Schema, allowed, choices, config_schema, inner, resolved
+from workflow.plan.schema import (
+    Schema,
+    allowed,
+    choices,
+    config_schema,
+    inner,
+    meaning_of,
+    number_text,
+    range_text,
+    resolved,
+)
 
 KINDS = {
     "integer": "a whole number",
@@ -20,10 +30,10 @@ KINDS = {
     "boolean": "true or false",
 }
 LIMITS = {
-    "greater_than_equal": "is less than the minimum of {ge:.20g}",
-    "less_than_equal": "is more than the maximum of {le:.20g}",
-    "greater_than": "must be more than {gt:g}",
-    "less_than": "must be less than {lt:g}",
+    "greater_than_equal": "is less than the minimum of {ge}",
+    "less_than_equal": "is more than the maximum of {le}",
+    "greater_than": "must be more than {gt}",
+    "less_than": "must be less than {lt}",
     "too_short": "needs at least {min_length} entry",
     "too_long": "has more than {max_length} entries",
     "string_too_short": "needs at least {min_length} character",
@@ -74,7 +84,9 @@ def _explain(
     if kind in ("extra_forbidden", "invalid_key", "missing"):
         path, schema, _ = _place(loc[:-1], config)
         keys = sorted(schema.get("properties", {}))
-        if kind == "missing":
+        if isinstance(loc[-1], int):
+            yield f"{key_path(path)}: {short(value)} needs {schema['minItems']} entries{_note(schema)}"
+        elif kind == "missing":
             yield f"{key_path(path)}: key {loc[-1]!r} is missing{_note(inner(schema, loc[-1]))}"
         else:
             yield f"{key_path(path)}: unknown key {short(loc[-1])}{_hint(loc[-1], keys)} (allowed: {', '.join(keys)})"
@@ -104,10 +116,12 @@ def _explain(
         yield f"{where}: {short(value)} is not allowed ({schema.get('of_kind', 'visible characters')})"
     elif kind in LIMITS:
         hint = _hint(value, choices(schema)) if kind == "literal_error" else ""
-        yield f"{where}: {short(value)} {LIMITS[kind].format(**context)}{hint}{_note(schema, meaning)}"
+        limits = {key: number_text(limit) for key, limit in context.items() if isinstance(limit, int | float)}
+        yield f"{where}: {short(value)} {LIMITS[kind].format(**limits)}{hint}{_note(schema, meaning)}"
     else:
-        expected = KINDS[schema.get("type", "string" if choices(schema) else "object")]
-        yield f"{where}: {short(value)} must be {expected}{_note(schema, meaning)}"
+        expected = KINDS[schema.get("type", "string" if choices(schema) else "object")] + range_text(schema)
+        note = _note(schema, meaning) if choices(schema) or schema.get("description") or meaning else ""
+        yield f"{where}: {short(value)} must be {expected}{note}"
 
 
 def _place(loc: Sequence[str | int], config: Any) -> tuple[list[str | int], Schema, str]:
@@ -129,7 +143,7 @@ def _place(loc: Sequence[str | int], config: Any) -> tuple[list[str | int], Sche
             continue
         path.append(part)
         schema = inner(schema, part)
-        meaning = schema.get("description", "")
+        meaning = meaning_of(schema)
         try:
             value = value[part]
         except (KeyError, IndexError, TypeError):
@@ -141,7 +155,7 @@ def _note(schema: Schema, meaning: str = "") -> str:
     """What is allowed, in brackets, and what the key means."""
     if values := choices(schema):
         return f" (allowed: {', '.join(values)})"
-    says = schema.get("description") or meaning or (allowed(schema) if schema else "")
+    says = meaning_of(schema) or meaning or (f"a {allowed(schema)}" if schema else "")
     return f" ({says})" if says else ""
 
 

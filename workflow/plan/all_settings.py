@@ -18,7 +18,7 @@ def source_in_words(experiment: Experiment) -> str:
     return SOURCES[experiment.source] if experiment.data == experiment.name else f"those of {experiment.data}"
 
 
-def overview(experiment: Experiment) -> dict[str, Any]:
+def all_settings(experiment: Experiment) -> dict[str, Any]:
     """Every setting of an experiment, the defaults of what the config leaves open included, as plain data.
 
     An absolute path is but the name of its file.
