@@ -85,6 +85,7 @@ lint: $(READY)
 	$(VENV)/bin/mypy $(SOURCES)
 	$(VENV)/bin/snakefmt --check Snakefile workflow/rules
 	.ci/lint_snakefile
+	$(PYTHON) .ci/private_names
 
 format: $(READY)
 	$(VENV)/bin/ruff check --fix $(SOURCES)

@@ -15,7 +15,7 @@ WRONG = 2
 
 
 def main() -> int:
-    """Do what the command line says; its exit status: 0 good, 1 failed, 2 nothing started, 3 folder in use."""
+    """Run the command line; the exit status is 0 (good), 1 (failed), 2 (not started) or 3 (folder in use)."""
     arguments = _parser().parse_args()
     try:
         return _command(arguments)
@@ -27,11 +27,11 @@ def main() -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m workflow", description=__doc__)
     commands = parser.add_subparsers(required=True, dest="command")
-    run = commands.add_parser("run", help="run what is new of a study")
-    check = commands.add_parser("check", help="check a config, and the files that it names, without running it")
+    run = commands.add_parser("run", help="run what is new in a study")
+    check = commands.add_parser("check", help="check a config and the files that it names, without running anything")
     verify = commands.add_parser("verify", help="hash every artifact of a finished study again")
     explain = commands.add_parser("explain", help="print what an artifact was made from, as a tree")
-    info = commands.add_parser("cache-info", help="how much the cache holds, and where")
+    info = commands.add_parser("cache-info", help="where the cache is, and how much it holds")
     clean = commands.add_parser("cache-clean", help="empty the cache, or make it smaller")
     for command in (run, check):
         command.add_argument("--config", type=Path, default=ROOT / "config" / "config.yaml")
@@ -39,7 +39,7 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("--out", type=Path, default=ROOT / "results", help="output folder")
     for command in (run, info, clean):
         command.add_argument("--cache", type=Path, help="folder of shared artifacts (default: $CACHE, or the user's)")
-    run.add_argument("--cores", type=int, help="jobs at the same time, on Slurm within one of its jobs")
+    run.add_argument("--cores", type=int, help="jobs at the same time; on Slurm, within one of its jobs")
     run.add_argument("--profile", default="default", help="default, slurm, or a folder with a Snakemake profile")
     run.add_argument("snakemake", nargs="*", help="further arguments for Snakemake, after --")
     explain.add_argument("path", type=Path, help="an artifact, for instance results/scores.csv")
@@ -50,7 +50,7 @@ def _parser() -> argparse.ArgumentParser:
 def _command(arguments: argparse.Namespace) -> int:
     match arguments.command:
         case "run":
-            load_study(arguments.config)  # finds mistakes before anything else starts
+            load_study(arguments.config)  # finds mistakes before anything starts
             if arguments.cores is not None and arguments.cores < 1:
                 raise ValueError(f"--cores {arguments.cores}: must be at least 1")
             from workflow.execution.runner import run

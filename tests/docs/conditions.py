@@ -75,12 +75,12 @@ def in_words(jobs: Mapping[str, int]) -> str:
     merged: Counter[str] = Counter()
     for rule, count in jobs.items():
         merged[re.sub("^(collect|figure)_.*", r"\1", rule)] += count
-    ordered = sorted(merged.items(), key=lambda item: (item[0] == "all", -item[1], item[0]))
+    ordered = sorted(merged.items(), key=lambda item: (-item[1], item[0]))
     return f"{sum(merged.values())} jobs: " + ", ".join(f"{count} {rule}" for rule, count in ordered)
 
 
 def planned(printed: str) -> dict[str, int]:
-    """The number of jobs of each rule in the table that Snakemake prints of a dry run."""
+    """The number of jobs of each rule in the table that a dry run prints."""
     rows = dict(re.findall(r"^(\w+) +(\d+)$", printed, flags=re.MULTILINE))
     return {rule: int(count) for rule, count in rows.items() if rule != "total"}
 

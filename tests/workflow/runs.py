@@ -33,11 +33,17 @@ def command(config: Path, out: Path, *more: str, cache: Path | None = None) -> l
     return [*base, *("--cache", str(cache or f"{out}.cache")), *(["--", *more] if more else [])]
 
 
+def _forget(out: Path) -> None:
+    """Remove Snakemake's logs of earlier runs."""
+    shutil.rmtree(out / ".snakemake" / "log", ignore_errors=True)
+
+
 def run(
     config: Path, out: Path, *more: str, succeeds: bool = True, cache: Path | None = None, root: Path = ROOT
 ) -> str:
     """Run a study, of the clone at `root`, and return what it printed."""
     line = command(config, out, *more, cache=cache)
+    _forget(out)
     done = subprocess.run(line, cwd=root, capture_output=True, text=True, check=False)
     printed = done.stdout + done.stderr
     assert (done.returncode == 0) is succeeds, printed
@@ -54,6 +60,7 @@ def start(
 ) -> subprocess.Popen[str]:
     """Start a study, of the clone at `root`, in a process group of its own."""
     line = command(config, out, *more, cache=cache)
+    _forget(out)
     return subprocess.Popen(
         line, cwd=root, stdout=output, stderr=subprocess.STDOUT, text=True, start_new_session=True
     )
@@ -70,8 +77,8 @@ def wait_until(true: Callable[[], bool], process: subprocess.Popen[str], patienc
 
 def jobs(out: Path) -> Counter[str]:
     """How many jobs of each rule finished in the last run in a folder, by Snakemake's own log."""
-    log = max((out / ".snakemake" / "log").iterdir())
-    return Counter(re.findall(r"Finished jobid: \d+ \(Rule: (\w+)\)", log.read_text(encoding="utf-8")))
+    texts = [log.read_text(encoding="utf-8") for log in (out / ".snakemake" / "log").glob("*")]
+    return Counter(re.findall(r"Finished jobid: \d+ \(Rule: (\w+)\)", "".join(texts)))
 
 
 def hashes(out: Path) -> dict[str, str]:

@@ -184,7 +184,7 @@ def test_damage_between_making_and_reading(
 
 
 def with_source(source: Path) -> list[Job]:
-    """The tiny plan, in which `collect` and `fit` read a file from elsewhere."""
+    """The tiny plan, in which `collect` and `fit` read an external file."""
     jobs = plan()
     return [replace(job, inputs=job.inputs | {"source": str(source)}) for job in jobs[:2]] + jobs[2:]
 

@@ -12,9 +12,11 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
+from types import SimpleNamespace
 
 import psutil
 import pytest
+from snakemake.iocontainers import InputFiles
 
 from tests.synthetic import write_own_study
 from tests.workflow.runs import command, hashes, run
@@ -34,16 +36,22 @@ def in_forks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     forks.stop()
 
 
-def script(folder: Path, text: str) -> str:
+def script(folder: Path, text: str) -> Path:
     path = folder / "script.py"
     path.write_text(text, encoding="utf-8")
-    return str(path)
+    return path
 
 
 def test_a_fork_has_the_libraries_and_the_folder_of_the_run(in_forks: Path) -> None:
     text = "import sys, os\nopen('seen', 'w').write(f'{\"pandas\" in sys.modules} {__name__} {os.getcwd()}')"
     assert forks.run(script(in_forks, text)) == 0
     assert (in_forks / "seen").read_text() == f"True __main__ {in_forks}"
+
+
+def test_a_fork_has_what_snakemake_gives_it(in_forks: Path) -> None:
+    given = SimpleNamespace(rule="fit", input=InputFiles(fromdict={"trials": "a.parquet"}))
+    text = "raise SystemExit(0 if snakemake.input.trials == 'a.parquet' and snakemake.rule == 'fit' else 1)"
+    assert forks.run(script(in_forks, text), given) == 0
 
 
 @pytest.mark.parametrize(
@@ -70,7 +78,7 @@ def test_many_threads_get_their_own_status(in_forks: Path) -> None:
         paths.append(in_forks / f"{status}.py")
         paths[-1].write_text(f"raise SystemExit({status})", encoding="utf-8")
     with ThreadPoolExecutor(4) as pool:
-        assert list(pool.map(forks.run, map(str, paths))) == list(range(24))
+        assert list(pool.map(forks.run, paths)) == list(range(24))
 
 
 def test_stopping_leaves_no_process(in_forks: Path) -> None:

@@ -121,7 +121,7 @@ def test_lineage_goes_back_to_the_seed(out: Path) -> None:
 
 
 def test_what_has_no_lineage_is_named(out: Path, tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"nothing.csv: nothing says what made it"):
+    with pytest.raises(ValueError, match=r"nothing.csv has no record"):
         list(explain(out, "nothing.csv"))
     with pytest.raises(ValueError, match="not in the output folder of a study"):
         output_folder(tmp_path / "scores.csv")

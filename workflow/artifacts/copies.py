@@ -1,4 +1,4 @@
-"""Copies of artifacts, which are files or folders."""
+"""Copying and removing artifacts, which are files or folders."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def copy(source: Path, target: Path) -> None:
-    """Copy a file, or a folder without its hidden files, to where nothing is."""
+    """Copy a file, or a folder without its hidden files, to a path that does not exist yet."""
     if source.is_dir():
         target.mkdir()
         for path in sorted(source.rglob("*")):
@@ -20,13 +20,13 @@ def copy(source: Path, target: Path) -> None:
 
 
 def temporary_name(path: Path) -> Path:
-    """A name beside a path that the next run takes for what a killed one left."""
+    """A name next to a path that the next run recognises as left over from a killed one."""
     path.parent.mkdir(parents=True, exist_ok=True)
     return path.parent / f".{path.name}.{os.getpid()}.part"
 
 
 def remove_any(path: Path) -> None:
-    """Remove a file or folder, if it is there."""
+    """Remove a file or folder if it exists."""
     if path.is_dir():
         shutil.rmtree(path, ignore_errors=True)
     else:

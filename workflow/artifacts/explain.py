@@ -1,4 +1,4 @@
-"""The lineage of an artifact as a tree, back to seeds, settings and files from elsewhere."""
+"""The lineage of an artifact as a tree, back to seeds, settings and external files."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ WIDTH = 100
 
 
 def output_folder(path: Path) -> Path:
-    """The output folder that an artifact is in.
+    """The output folder that contains an artifact.
 
     Raises:
-        ValueError: it is in none.
+        ValueError: There is none.
     """
     for folder in path.absolute().parents:
         if (folder / FOLDER).is_dir():
@@ -26,24 +26,24 @@ def output_folder(path: Path) -> Path:
 
 
 def explain(out: Path, path: str) -> Iterator[str]:
-    """The lines of the tree of an artifact.
+    """The lines of an artifact's tree.
 
     Args:
         out: the output folder.
-        path: of the artifact, in it.
+        path: the artifact's path in it.
 
     Raises:
-        ValueError: nothing says what made it.
+        ValueError: The artifact has no record.
     """
     record = read_record(out, path)
     if record is None:
-        raise ValueError(f"{path}: nothing says what made it")
+        raise ValueError(f"{path} has no record")
     yield f"{path}  {_hashes(record.sha256, record.key)}"
     yield from _maker(out, record, "", set())
 
 
 def _maker(out: Path, record: Record, margin: str, seen: set[str]) -> Iterator[str]:
-    """What made an artifact: rule, wildcards, parameters, inputs. Each job is told once."""
+    """The job that made an artifact: rule, wildcards, parameters, inputs. Each job is described once."""
     job = json.dumps([record.rule, dict(record.wildcards), record.parameters], sort_keys=True)
     made_by = " ".join([f"rule {record.rule}", *(f"{name}={value}" for name, value in record.wildcards.items())])
     if job in seen:
@@ -61,13 +61,13 @@ def _maker(out: Path, record: Record, margin: str, seen: set[str]) -> Iterator[s
 
 def _input(out: Path, each: Input, margin: str, seen: set[str]) -> Iterator[str]:
     if not each.artifact:
-        yield f"{margin}   a file from elsewhere"
+        yield f"{margin}   an external file"
         return
     record = read_record(out, each.path)
     if record is None:
-        yield f"{margin}   no longer there, and nothing says what made it"
+        yield f"{margin}   no longer there, and without a record"
     elif record.sha256 != each.sha256:
-        yield f"{margin}   another version is there now, sha256 {record.sha256[:12]}…"
+        yield f"{margin}   replaced by another version, sha256 {record.sha256[:12]}…"
     else:
         yield from _maker(out, record, margin, seen)
 
@@ -77,7 +77,7 @@ def _hashes(sha256: str, key: str) -> str:
 
 
 def _code(value: str) -> str:
-    """The hash of the code, and that of the lock file."""
+    """The hashes of the code and of the lock file."""
     code, lock = parts_of_code(value).values()
     return f"{code[:12]}… environment.lock {lock[:12]}…"
 

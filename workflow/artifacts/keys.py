@@ -1,8 +1,8 @@
-"""Keys: a hash of all that makes an artifact, known before it is made.
+"""Keys: a hash of everything that determines an artifact, known before the artifact is made.
 
-A job's key hashes its rule, wildcards, parameters (among them the hash of its code and of the lock file) and, by
-role, the keys of its inputs; an output's key hashes its job's key and its role in it. The key of a file that no job
-makes is the hash of its content. Paths are in no key: it is the same in every clone and output folder.
+A job's key hashes its rule, its wildcards, its parameters (which include the hash of its code and of the lock file),
+and the keys of its inputs by role. An output's key hashes the key of its job and its role. The key of a file that no
+job makes is the hash of its content. No key contains a path, so keys are equal in all clones and output folders.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ def plain(value: Any, where: str = "value") -> Any:
 
     Args:
         value: a parameter of a rule, or a part of one.
-        where: what messages call it.
+        where: its name in messages.
 
     Raises:
-        ValueError: it is or holds an absolute path, or a type of which equal values need not look equal.
+        ValueError: The value contains an absolute path or a type without canonical JSON.
     """
     if value is None or isinstance(value, bool | int | float):
         return value
     if isinstance(value, str):
         if Path(value).is_absolute():
-            raise ValueError(f"{where}: {value!r} is an absolute path, with which nothing could be shared")
+            raise ValueError(f"{where}: {value!r} is an absolute path, which differs between machines")
         return str(value)
     if isinstance(value, Mapping):
         for key in value:
@@ -40,7 +40,7 @@ def plain(value: Any, where: str = "value") -> Any:
         return {each.name: plain(getattr(value, each.name), f"{where}.{each.name}") for each in fields(value)}
     if isinstance(value, list | tuple | range):
         return [plain(inner, f"{where}[{i}]") for i, inner in enumerate(value)]
-    raise ValueError(f"{where}: a {type(value).__name__} cannot be part of a key (allowed: what JSON can say)")
+    raise ValueError(f"{where}: a {type(value).__name__} cannot be part of a key (allowed: JSON types)")
 
 
 def job_key(rule: str, wildcards: Mapping[str, str], parameters: Mapping[str, Any], inputs: Mapping[str, str]) -> str:
@@ -48,17 +48,15 @@ def job_key(rule: str, wildcards: Mapping[str, str], parameters: Mapping[str, An
 
     Args:
         rule: name of its rule.
-        wildcards: their values.
-        parameters: `params` of the rule; `code`, the hash of its code and of the lock file, must be among them.
+        wildcards: values by name.
+        parameters: `params` of the rule; they must include `code`, the hash of its code and of the lock file.
         inputs: the key of each input by its role (see `workflow.execution.roles`).
 
     Raises:
-        ValueError: a parameter cannot be part of a key, or there is no `code`.
+        ValueError: A parameter cannot be part of a key, or `code` is missing.
     """
     if not isinstance(parameters.get("code"), str):
-        raise ValueError(
-            f"rule {rule} has no parameter code=tracked(script): changes of its code would be overlooked"
-        )
+        raise ValueError(f"rule {rule} has no parameter code=tracked(script): changes to its code would go unnoticed")
     parts = {
         "rule": rule,
         "wildcards": plain(wildcards, f"rule {rule}, wildcards"),
@@ -74,6 +72,6 @@ def output_key(key_of_job: str, role: str) -> str:
 
 
 def hash_of(data: Any) -> str:
-    """sha256 of plain data, the same for equal data."""
+    """sha256 of plain data; equal data have equal hashes."""
     text = json.dumps(data, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()

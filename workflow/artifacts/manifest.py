@@ -1,4 +1,4 @@
-"""The manifest of a finished study: every artifact with its checksum and all that made it; and its verification."""
+"""The manifest of a finished study, which lists every artifact with its record, and its verification."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from data_collection.files import replacing
 from workflow.artifacts.records import FOLDER, Content, Record, await_record, contents
 
 MANIFEST = "manifest.json"
-# What stands in an output folder beside artifacts: notes of runs, what is committed, measurements of speed.
-CHANGED = "changed"  # where a run moves what somebody changed in the folder of an artifact
+# What an output folder holds besides artifacts: logs, committed results, benchmarks.
+CHANGED = "changed"  # where a run moves files that somebody changed in an artifact's folder
 NO_ARTIFACTS = ("joblogs", "reference", "bench", "snakemake_report.html", CHANGED, MANIFEST)
 
 
 def write_manifest(out: Path, artifacts: Mapping[str, str], patience: float = 30.0) -> None:
-    """Gather the records of artifacts in one file, in the order of their paths.
+    """Write the records of artifacts to one file, sorted by path.
 
     Args:
         out: the output folder.
-        artifacts: the planned key of each by its path.
-        patience: seconds to wait for records that other machines wrote, which a shared file system may show late.
+        artifacts: the planned key of each, by path.
+        patience: seconds to wait for records that another machine wrote and a shared file system shows late.
 
     Raises:
-        ValueError: an artifact has no record, or was made of something else than planned.
+        ValueError: An artifact has no record, or its key differs from the planned one.
     """
     entries = {}
     unplanned = []
@@ -33,7 +33,7 @@ def write_manifest(out: Path, artifacts: Mapping[str, str], patience: float = 30
     for path in sorted(artifacts):
         record = await_record(out, path, until - time.monotonic())
         if record is None:
-            raise ValueError(f"{path}: nothing says what made it (does its script run in `with job(snakemake)`?)")
+            raise ValueError(f"{path} has no record (does its script run in `with job(snakemake)`?)")
         entries[path] = record.mapping()
         unplanned += [path] if record.key != artifacts[path] else []
     if unplanned:
@@ -50,7 +50,7 @@ def read_manifest(out: Path) -> dict[str, Record]:
     """The records of a manifest by path.
 
     Raises:
-        ValueError: there is none, or it is damaged.
+        ValueError: It is missing or damaged.
     """
     try:
         data = json.loads((out / MANIFEST).read_text(encoding="utf-8"))
@@ -65,11 +65,10 @@ def verify(out: Path) -> tuple[int, list[str]]:
     """Hash every artifact again.
 
     Returns:
-        The number of artifacts of the manifest, and what is wrong: a line for each artifact that is missing, changed
-        or unexplained.
+        The number of artifacts in the manifest, and one line per artifact that is missing, changed or unexplained.
 
     Raises:
-        ValueError: there is no manifest, or it is damaged.
+        ValueError: The manifest is missing or damaged.
     """
     manifest = read_manifest(out)
     found = contents(out, sorted(manifest))
@@ -95,7 +94,7 @@ def _problems(manifest: dict[str, Record], record: Record, found: Content | None
 
 
 def _files(record: Record, found: Content) -> str:
-    """Which files of a folder differ."""
+    """The files of a folder that differ."""
     if record.files is None or found.files is None:
         return ""
     names = sorted(record.files.keys() | found.files.keys())
@@ -103,7 +102,7 @@ def _files(record: Record, found: Content) -> str:
 
 
 def _others(out: Path, known: set[str], folder: str = "") -> Iterator[str]:
-    """The files of an output folder that are no known artifact, nor in one, nor of a study in a folder within it."""
+    """The files of an output folder that belong to no known artifact and to no study in a subfolder."""
     for each in sorted((out / folder).iterdir()):
         path = f"{folder}{each.name}"
         if path in known or each.name.startswith(".") or path in NO_ARTIFACTS:

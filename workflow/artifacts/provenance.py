@@ -1,4 +1,4 @@
-"""What made an artifact: hashes of code and of the environment."""
+"""Hashes of the code and of the environment that make an artifact."""
 
 from __future__ import annotations
 
@@ -11,30 +11,28 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 MACHINERY = "workflow"
 FORMAT = 1
-"""Stands in every key for the machinery: all of `workflow/` but the scripts of the rules, which no digest contains.
+"""Represents the machinery in every key: all of `workflow/` except the rules' scripts, which no digest includes.
 
-Raise it with a change of the machinery that changes the bytes of artifacts or of their records: what
-`workflow.execution.job` does around a script, or what `parts_of_code` gives to logs. Everything is then made again.
+Raise it when a change to the machinery alters the bytes of artifacts or records, for instance what
+`workflow.execution.job` does around a script, or what `parts_of_code` writes to logs. Everything is then made again.
 """
 
 
 @cache
 def code_hash(script: Path, *modules: str) -> str:
-    """sha256 over a script and every project module that it imports, directly or not; found once per process.
+    """sha256 of a script and every project module that it imports, directly or not; computed once per process.
 
-    The modules are found by reading the import statements, so there is no list to keep. Of each the syntax tree
-    counts, without comments, layout and docstrings.
+    Modules are found by reading the import statements. Their syntax trees are hashed, without docstrings.
 
     Args:
-        script: the script.
-        modules: paths from the root of the project of modules that the script is told to import, and which no
-            import statement names.
+        script: The script.
+        modules: Further modules, which a script imports by a name that it is given, as paths from the project's root.
     """
     return _digest(script, *modules)
 
 
 def code_is_unchanged(script: Path, *modules: str) -> bool:
-    """Whether the code of a script is still what `code_hash` found."""
+    """Whether the code of a script still has the hash that `code_hash` returned."""
     try:
         return _digest(script, *modules) == code_hash(script, *modules)
     except (OSError, SyntaxError):
@@ -55,7 +53,7 @@ def _syntax(source: bytes) -> str:
 
 
 class _WithoutDocstrings(ast.NodeTransformer):
-    """Removes strings that are statements, which do nothing."""
+    """Removes statements that are only a string."""
 
     def visit_Expr(self, node: ast.Expr) -> ast.Expr | None:
         return None if isinstance(node.value, ast.Constant) and isinstance(node.value.value, str) else node
@@ -68,17 +66,17 @@ def lock_hash() -> str:
 
 
 def rule_code(script: Path, *modules: str) -> str:
-    """What a rule's parameter `code` must be: the hash of its script and `modules`, and that of the lock file."""
+    """The parameter `code` of a rule: the hash of its script and `modules`, then that of the lock file."""
     return code_hash(script, *modules) + lock_hash()
 
 
 def parts_of_code(code: str) -> dict[str, str]:
-    """The two hashes that `rule_code` put together, by the names that logs have for them."""
+    """The two hashes in the parameter `code`, under their names in logs."""
     return {"code_sha256": code[:64], "lock_sha256": code[64:]}
 
 
 def imported_files(*scripts: Path) -> set[Path]:
-    """Scripts and all files of the project that they import, directly or not; package markers, but no machinery."""
+    """Scripts and the project files that they import, directly or not: with package markers, without machinery."""
     found: set[Path] = set()
     waiting = [script.resolve() for script in scripts]
     while waiting:
@@ -95,7 +93,7 @@ def _imports(path: Path) -> tuple[Path, ...]:
 
 
 def imported_names(tree: ast.AST) -> Iterator[str]:
-    """The dotted names that import statements mention, wherever they stand; not each is a module."""
+    """The dotted names in all import statements; not all of them are modules."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -106,7 +104,7 @@ def imported_names(tree: ast.AST) -> Iterator[str]:
 
 
 def _files(name: str) -> Iterator[Path]:
-    """The project's files that importing a dotted name executes; none where it is not the project's, or machinery."""
+    """The project files that importing a name executes; none for other packages and the machinery."""
     parts = name.split(".")
     if parts[0] == MACHINERY:
         return

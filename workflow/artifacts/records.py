@@ -1,6 +1,6 @@
-"""Records: beside each artifact, in `OUT/.artifacts`, what it is and what made it.
+"""Records in `OUT/.artifacts`: the content of each artifact, and what made it.
 
-A record is written when its artifact is complete; every reader of the artifact compares its checksum.
+A record is written when its artifact is complete; whoever reads the artifact compares the checksum.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ from data_collection.files import replacing
 from workflow.artifacts.keys import hash_of, job_key, output_key, plain
 
 FOLDER = ".artifacts"
-FULL = (errno.ENOSPC, errno.EDQUOT)  # how the system says that a disk, or somebody's share of it, is full
-PATIENCE = 10.0  # seconds to wait for the record of an input, which another machine may have written
+FULL = (errno.ENOSPC, errno.EDQUOT)  # the disk, or the user's quota, is full
+PATIENCE = 10.0  # seconds to wait for an input's record, which another machine may have written
 
 
 class DamagedError(ValueError):
-    """An artifact is not what its record says."""
+    """An artifact does not match its record."""
 
 
 @dataclass(frozen=True)
 class Content:
-    """What a file or a folder holds.
+    """The content of a file or folder.
 
     Attributes:
-        sha256: of the file; of a folder the hash of its files' hashes by name.
-        size: bytes.
-        files: sha256 of each file of a folder by its path in it; None for a file.
+        sha256: of the file, or of a folder's `files`.
+        size: in bytes.
+        files: sha256 by path of the files in a folder; None for a file.
     """
 
     sha256: str
@@ -46,7 +46,7 @@ class Content:
 
 @dataclass(frozen=True)
 class Input:
-    """An input of a job: `path` of an artifact relative to OUT, the mere name of a file from elsewhere."""
+    """An input of a job. `path` is relative to OUT for an artifact, and the bare name of an external file."""
 
     path: str
     sha256: str
@@ -56,7 +56,7 @@ class Input:
 
 @dataclass(frozen=True)
 class Record:
-    """An artifact: its content and all that made it. Parameters are plain JSON data."""
+    """The record of an artifact: its content and what made it. Parameters are plain JSON data."""
 
     sha256: str
     size: int
@@ -70,10 +70,10 @@ class Record:
 
     @staticmethod
     def from_mapping(data: Mapping[str, Any]) -> Record:
-        """A record as it was written.
+        """The record that `mapping` wrote.
 
         Raises:
-            ValueError, TypeError, KeyError: it is none.
+            ValueError, TypeError, KeyError: The data are not a record.
         """
         inputs = {role: Input(**each) for role, each in data["inputs"].items()}
         return Record(**{**data, "inputs": inputs})
@@ -83,7 +83,7 @@ class Record:
         return asdict(self)
 
     def explains_its_key(self) -> bool:
-        """Whether the key follows from what the record says of rule, wildcards, parameters and inputs."""
+        """Whether the key follows from the rule, wildcards, parameters and inputs."""
         keys = {role: each.key for role, each in self.inputs.items()}
         return self.key == output_key(job_key(self.rule, self.wildcards, self.parameters, keys), self.role)
 
@@ -92,7 +92,7 @@ def content(path: Path) -> Content:
     """The content of a file or folder.
 
     Raises:
-        OSError: it is not there or cannot be read.
+        OSError: It cannot be read.
     """
     if not path.is_dir():
         with path.open("rb") as file:
@@ -105,7 +105,7 @@ def content(path: Path) -> Content:
 
 
 def contents(out: Path, paths: Sequence[str]) -> dict[str, Content | None]:
-    """The content of many artifacts by path, None of those that cannot be read."""
+    """The content of each artifact by path; None if it cannot be read."""
 
     def of(path: str) -> Content | None:
         try:
@@ -113,17 +113,17 @@ def contents(out: Path, paths: Sequence[str]) -> dict[str, Content | None]:
         except OSError:
             return None
 
-    with ThreadPoolExecutor() as pool:  # hashing runs outside of Python's lock
+    with ThreadPoolExecutor() as pool:  # hashing releases the GIL
         return dict(zip(paths, pool.map(of, paths), strict=True))
 
 
 def record_path(out: Path, path: str) -> Path:
-    """Where the record of an artifact is."""
+    """The path of an artifact's record."""
     return out / FOLDER / f"{path}.json"
 
 
 def read_record(out: Path, path: str) -> Record | None:
-    """The record of an artifact, None where there is none that can be read."""
+    """The record of an artifact; None if there is no readable one."""
     try:
         return Record.from_mapping(json.loads(record_path(out, path).read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError, KeyError):
@@ -131,7 +131,7 @@ def read_record(out: Path, path: str) -> Record | None:
 
 
 def await_record(out: Path, path: str, patience: float) -> Record | None:
-    """The record of an artifact; waits some seconds for one that a shared file system may show late."""
+    """Read a record, waiting some seconds for one that a shared file system may show late."""
     until = time.monotonic() + patience
     while (record := read_record(out, path)) is None and time.monotonic() < until:
         time.sleep(0.5)
@@ -139,13 +139,13 @@ def await_record(out: Path, path: str, patience: float) -> Record | None:
 
 
 def write_record(out: Path, path: str, record: Record) -> None:
-    """Keep the record of an artifact."""
+    """Write the record of an artifact."""
     with replacing(record_path(out, path)) as (temporary,):
         temporary.write_text(json.dumps(record.mapping(), sort_keys=True, indent=1) + "\n", encoding="utf-8")
 
 
 def remove(out: Path, path: str) -> None:
-    """Remove an artifact and its record, whichever is there."""
+    """Remove an artifact and its record, if they exist."""
     record_path(out, path).unlink(missing_ok=True)
     if (out / path).is_dir() and not (out / path).is_symlink():
         shutil.rmtree(out / path)
@@ -154,10 +154,10 @@ def remove(out: Path, path: str) -> None:
 
 
 def verified_inputs(out: Path, paths: Mapping[str, str]) -> dict[str, Input]:
-    """The inputs of a job by role, each compared with its record. Absolute paths are files from elsewhere.
+    """Compare the inputs of a job, by role, with their records. Absolute paths are external files.
 
     Raises:
-        DamagedError: an artifact is not what its record says; it was removed, so that the next run makes it again.
+        DamagedError: An artifact does not match its record. It was removed, so that the next run makes it again.
     """
     verified = cache(lambda path: _verified(out, path))
     return {role: verified(path) for role, path in paths.items()}
@@ -169,7 +169,7 @@ def _verified(out: Path, path: str) -> Input:
         return Input(Path(path).name, found.sha256, found.sha256, artifact=False)
     record = await_record(out, path, PATIENCE)
     if record is None:
-        raise DamagedError(f"{path}: nothing says what made it; `python -m workflow run` makes it again")
+        raise DamagedError(f"{path} has no record; `python -m workflow run` makes it again")
     if record.sha256 != found.sha256:
         remove(out, path)
         raise DamagedError(
@@ -187,7 +187,7 @@ def records_of_job(
     inputs: Mapping[str, Input],
     outputs: Mapping[str, str],
 ) -> dict[str, Record]:
-    """The records, by path, of what a job has just made."""
+    """The records, by path, of what a job has made."""
     key = job_key(rule, wildcards, parameters, {role: each.key for role, each in inputs.items()})
     records = {}
     for role, path in outputs.items():

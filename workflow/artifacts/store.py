@@ -1,8 +1,8 @@
-"""The store: artifacts by key, in a folder of the user's that all clones, configs and output folders share.
+"""The store: artifacts by key, in a folder that all of a user's clones, configs and output folders share.
 
-An entry is a folder named by the key of a job, with what the job made and the records of it. It is written under a
-temporary name and renamed, and never changed afterwards, so that any number of processes can share the store without
-locks. Files go in and out as copies, never as links: an edit in place of an artifact stays where it is made.
+An entry is a folder named by a job's key, with the job's outputs and their records. It is written under a temporary
+name, renamed, and never changed, so that any number of processes can share the store without locks. Files go in and
+out as copies, never as links: editing an artifact in place does not affect the store.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from workflow.artifacts.keys import hash_of
 from workflow.artifacts.records import FULL, Record, content, remove, write_record
 
 DEFAULT_GIB = 10.0
-ABANDONED = 24 * 3600.0  # seconds after which a temporary folder is what a killed process left
+ABANDONED = 24 * 3600.0  # seconds after which a temporary folder counts as left over from a killed process
 _logger = logging.getLogger(__name__)
 
 
 def default_folder() -> Path:
-    """The folder that `CACHE` names; otherwise one in the user's cache folder."""
+    """The folder that `CACHE` names, or else one in the user's cache folder."""
     named = os.environ.get("CACHE")
     if named:
         return Path(named).expanduser().absolute()
@@ -39,24 +39,24 @@ def default_folder() -> Path:
 
 
 def default_limit() -> int:
-    """The size in bytes that the store is kept below: `CACHE_GIB`, 0 for no store at all.
+    """The size limit in bytes: `CACHE_GIB`, where 0 turns the store off.
 
     Raises:
-        ValueError: it is no such number.
+        ValueError: It is not a size.
     """
     return size_in_bytes("CACHE_GIB", os.environ.get("CACHE_GIB") or str(DEFAULT_GIB), "0 for no cache")
 
 
 def size_in_bytes(name: str, gibibytes: str, zero: str) -> int:
-    """Read a size that somebody gave.
+    """Parse a size.
 
     Args:
-        name: of what was given.
-        gibibytes: what was given.
-        zero: what 0 means.
+        name: its name in messages.
+        gibibytes: the text.
+        zero: what 0 means, for messages.
 
     Raises:
-        ValueError: it is no such number.
+        ValueError: The text is not a size.
     """
     try:
         size = float(gibibytes)
@@ -69,7 +69,7 @@ def size_in_bytes(name: str, gibibytes: str, zero: str) -> int:
 
 @dataclass(frozen=True)
 class Entry:
-    """One entry: its folder, its size in bytes, and when it was last used (seconds since the epoch)."""
+    """An entry: its folder, its size in bytes, and when it was last used (seconds since the epoch)."""
 
     folder: Path
     size: int
@@ -81,26 +81,26 @@ class Store:
     """A folder of entries.
 
     Attributes:
-        folder: where they are; made when the first one is put.
-        limit: bytes that `trim` leaves at most; 0 turns the store off.
+        folder: where they are; created with the first entry.
+        limit: the most bytes that `trim` leaves; 0 turns the store off.
     """
 
     folder: Path
     limit: int = int(DEFAULT_GIB * 2**30)
-    _closed: set[str] = field(default_factory=set, repr=False)  # what could not be done: "written", "read"
+    _closed: set[str] = field(default_factory=set, repr=False)  # "written" or "read": what has failed
 
     def __contains__(self, key: str) -> bool:
-        return os.path.isfile(self._entry(key) / "entry.json")  # noqa: PTH113 (no error where it cannot be looked into)
+        return os.path.isfile(self._entry(key) / "entry.json")  # noqa: PTH113 (no error if it is not readable)
 
     def put(self, key: str, out: Path, records: Mapping[str, Record]) -> bool:
-        """Keep what a job made.
+        """Store the outputs of a job.
 
-        A folder that cannot be written, or is full, is named in one warning, and the study goes on without.
+        If the folder cannot be written, or is full, one warning says so and the study goes on without the store.
 
         Args:
-            key: of the job.
+            key: the job's key.
             out: the output folder.
-            records: of all outputs of the job, by path in `out`.
+            records: the records of all its outputs, by path in `out`.
 
         Returns:
             Whether the store has the entry now.
@@ -114,7 +114,7 @@ class Store:
             for i, (path, record) in enumerate(sorted(records.items())):
                 copy(out / path, temporary / str(i))
                 if content(temporary / str(i)).sha256 != record.sha256:
-                    return False  # changed since it was made: whoever verifies it next will say so
+                    return False  # changed since it was made; the next verification will say so
             listing = {path: record.mapping() for path, record in sorted(records.items())}
             text = json.dumps({"outputs": listing, "sha256": hash_of(listing)})
             (temporary / "entry.json").write_text(text, encoding="utf-8")
@@ -122,7 +122,7 @@ class Store:
             self._entry(key).parent.mkdir(exist_ok=True)
             temporary.rename(self._entry(key))
         except OSError as error:
-            if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):  # there another process was faster
+            if error.errno not in (errno.EEXIST, errno.ENOTEMPTY):  # then another process was faster
                 self._close("written", error)
             return key in self
         finally:
@@ -131,15 +131,15 @@ class Store:
         return True
 
     def fetch(self, key: str, out: Path, paths: Mapping[str, str]) -> bool:
-        """Copy the outputs of a job and their records to where they belong.
+        """Copy the outputs of a job and their records to the output folder.
 
-        Every copy is compared with its checksum before it is moved in place. A damaged entry is named in a warning,
-        removed, and not used.
+        Each copy is compared with its checksum before it is moved into place. A damaged entry is reported in a
+        warning, removed, and not used.
 
         Args:
-            key: of the job.
+            key: the job's key.
             out: the output folder.
-            paths: path in `out` of each output by role.
+            paths: the path in `out` of each output by role.
 
         Returns:
             Whether they are in place now.
@@ -186,7 +186,7 @@ class Store:
         return True
 
     def entries(self) -> Iterator[Entry]:
-        """All entries, in no order."""
+        """All entries, in no particular order."""
         for listing in self.folder.glob("??/*/entry.json"):
             try:
                 size = sum(path.stat().st_size for path in listing.parent.rglob("*") if path.is_file())
@@ -195,13 +195,13 @@ class Store:
                 continue  # another process has just cleaned it away
 
     def trim(self, limit: int | None = None) -> tuple[int, int]:
-        """Remove the least recently used entries until the rest is within the limit, and what killed processes left.
+        """Remove what killed processes left, and the least recently used entries beyond the limit.
 
         Args:
-            limit: bytes; None for that of the store, and then a store that is turned off is left alone.
+            limit: in bytes; None for the store's own, and then a store that is turned off is left alone.
 
         Returns:
-            The number of entries removed, and of bytes.
+            The numbers of entries and bytes removed.
         """
         if limit is None and self.limit == 0:
             return 0, 0
@@ -230,7 +230,7 @@ class Store:
         _logger.warning("%s: damaged entry of the cache (%s); it is not used, %s", entry, what, removed)
 
     def _drop(self, entry: Path) -> bool:
-        """Remove an entry: at once under its name, so that nobody sees half of it."""
+        """Remove an entry, whose name disappears first, so that nobody sees half of it."""
         try:
             (self.folder / "tmp").mkdir(exist_ok=True)
             away = Path(tempfile.mkdtemp(dir=self.folder / "tmp"))
@@ -249,7 +249,7 @@ def _listing(entry: Path) -> list[Record]:
     """The records of an entry, in the order of its files.
 
     Raises:
-        ValueError, TypeError, KeyError: the listing is damaged.
+        ValueError, TypeError, KeyError: The listing is damaged.
     """
     data = json.loads((entry / "entry.json").read_text(encoding="utf-8"))
     if hash_of(data["outputs"]) != data["sha256"]:

@@ -1,4 +1,4 @@
-"""What a study was computed with, for people to read."""
+"""The versions that the report shows."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SCRIPTS = ("workflow/scripts", "evaluation/figures")
 
 
 def study_hash() -> str:
-    """sha256 over every script of the workflow and every figure, with all project code that they import."""
+    """sha256 of all scripts and figures and the project code that they import."""
     digest = hashlib.sha256()
     for script in sorted(path for folder in SCRIPTS for path in (ROOT / folder).glob("*.py")):
         digest.update(f"{script.name}\0{code_hash(script)}".encode())
@@ -21,13 +21,13 @@ def study_hash() -> str:
 
 
 def python_version() -> str:
-    """The Python that the project asks for."""
+    """The Python version that the project requires."""
     asked: str = _project()["requires-python"]
     return asked.removeprefix("==").removesuffix(".*")
 
 
 def pinned_packages() -> dict[str, str]:
-    """The version in environment.lock of each package that the project depends on, by name."""
+    """The locked version of each direct dependency, by name."""
     lines = (ROOT / "environment.lock").read_text(encoding="utf-8").splitlines()
     pinned = dict(line.split("==") for line in lines if re.match(r"[a-z0-9-]+==", line))
     names = (re.split(r"[^A-Za-z0-9-]", entry)[0] for entry in _project()["dependencies"])

@@ -1,1 +1,1 @@
-"""Running a plan: one run in a folder, jobs on the cores or a cluster, what is kept and what is made."""
+"""Running a study: what is kept, what is made, and jobs on this machine or a cluster."""

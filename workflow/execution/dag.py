@@ -1,4 +1,4 @@
-"""The plan of a run: what Snakemake laid out, as data, and the keys of its jobs."""
+"""The plan of a run, as data, and the keys of its jobs."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ class Job:
     """A job of the plan.
 
     Attributes:
-        rule: name of its rule.
+        rule: the name of its rule.
         wildcards: values by name.
         parameters: `params` of the rule.
-        inputs: path by role; relative to OUT where a job makes it, absolute where it comes from elsewhere.
+        inputs: path by role; relative to OUT for artifacts, absolute for external files.
         outputs: path by role, relative to OUT.
-        log: path of its log, relative to OUT.
-        forced: the user asked Snakemake to run it in any case.
+        log: the path of its log, relative to OUT.
+        forced: whether the user asked for it to run in any case.
+        script: the script that it runs.
     """
 
     rule: str
@@ -31,21 +32,27 @@ class Job:
     outputs: dict[str, str]
     log: str = ""
     forced: bool = False
+    script: Path = Path()
+
+    @property
+    def modules(self) -> list[str]:
+        """The project files that its script imports by a name that it is given."""
+        return list(self.parameters.get("modules", ()))
 
     @property
     def stage(self) -> str:
-        """What it is a part of: the folder of its log, or its name."""
+        """The stage that it belongs to: the folder of its log, or the log's name."""
         return Path(self.log).with_suffix("").parts[1]
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What Snakemake laid out.
+    """The jobs of a run.
 
     Attributes:
         jobs: in an order in which they could run.
-        for_real: this is no dry run, nor a question such as --summary.
-        whole: these are all jobs of the study, not those for some target.
+        for_real: whether this is not a dry run.
+        whole: whether these are all jobs of the study, rather than those for some targets.
     """
 
     jobs: Sequence[Job]
@@ -57,8 +64,11 @@ def keys_of(jobs: Sequence[Job], source_key: Callable[[str], str]) -> list[str]:
     """The key of each job, for jobs in an order in which they could run.
 
     Args:
-        jobs: with the makers of their inputs before them.
-        source_key: the key of a file that no job makes.
+        jobs: each after the jobs that make its inputs.
+        source_key: the key of an external file.
+
+    Raises:
+        ValueError: An input is made by no job, and its path is not absolute.
     """
     keys: list[str] = []
     made: dict[str, str] = {}

@@ -1,7 +1,6 @@
-"""What every job does around its one call.
+"""What every script does around its work: verify the inputs, write the log, record the outputs.
 
-Its output goes to its log, warnings and failures also to the screen; its inputs are compared with their records, and
-what it made is recorded. The last line of its log says what time it took.
+Output goes to the log, warnings and failures also to the screen. The last line of a log says what the job took.
 """
 
 from __future__ import annotations
@@ -23,23 +22,22 @@ from workflow.execution.roles import by_role
 from workflow.execution.turns import turn_of_job
 
 OUT = Path()  # Snakemake runs jobs in the output folder
-CLEAR = "\r\033[K"  # empties the line of a terminal, on which a run shows its progress
+CLEAR = "\r\033[K"  # clears the terminal's line that shows the progress
 TOOK = "took "  # begins the last line of a job's log
 
 
 @contextmanager
 def job(snakemake: Any) -> Iterator[None]:
-    """Verify the inputs of a job, record its outputs, and send all that it prints, even compiled code, to its log.
+    """Verify the inputs of a job, record its outputs, and send everything that it prints to its log.
 
-    Warnings appear on the screen as well, and of a failure the message and what the job had printed last; the
-    traceback is in the log only.
-    An input that is damaged is named and removed.
+    That includes the output of compiled code. Warnings also appear on the screen, and so do the message of a failure
+    and the last lines of the log; the traceback is in the log only.
 
     Args:
-        snakemake: what Snakemake gives a script: inputs, outputs, params, wildcards and log.
+        snakemake: what Snakemake gives to a script: rule, input, output, params, wildcards and log.
 
     Raises:
-        SystemExit: the job failed; the reason has been shown.
+        SystemExit: The job failed, and the reason has been shown.
     """
     log = snakemake.log[0]
     began, start_up = time.perf_counter(), time.process_time()  # the latter counts from the start of the process
@@ -76,7 +74,7 @@ def job(snakemake: Any) -> Iterator[None]:
 
 
 def _where_full(error: Exception) -> str:
-    """Which disk is full, if that is the error: the message of the system does not name it."""
+    """The full disk, if that is the error: the system's message does not name it."""
     if not isinstance(error, OSError) or error.errno not in FULL:
         return ""
     where = error.filename or OUT.resolve()
@@ -84,7 +82,7 @@ def _where_full(error: Exception) -> str:
 
 
 def last_lines(log: Path, count: int = 5) -> str:
-    """What a job printed last, as indented lines; nothing where it printed nothing."""
+    """The last lines of a job's log, indented; empty if there is no log."""
     try:
         with log.open("rb") as file:
             file.seek(max(0, log.stat().st_size - 4096))
@@ -95,12 +93,12 @@ def last_lines(log: Path, count: int = 5) -> str:
 
 
 def time_line(start_up: float, wall: float, before: Mapping[str, float] | None = None) -> str:
-    """What this process took until now, as the last line of a log.
+    """What this process has taken so far, as the last line of a log.
 
     Args:
         start_up: as in `time_of`.
         wall: as in `time_of`.
-        before: what earlier processes took, which counts as well.
+        before: what earlier processes took, which is added.
     """
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     took = {"start_up": start_up, "processor": time.process_time(), "wall": wall, "memory": memory}
@@ -110,10 +108,10 @@ def time_line(start_up: float, wall: float, before: Mapping[str, float] | None =
 
 
 def time_of(log: Path) -> dict[str, float] | None:
-    """What a job took, from the last line of its log; None where there is none.
+    """What a job took, from the last line of its log; None if the log has no such line.
 
-    Seconds: `wall` is the time from when its inputs were looked at; `processor` is that of its whole process,
-    `start_up` what of it was spent before. `memory` is the most that its process held, in MiB.
+    In seconds, `wall` is the time since it began to verify its inputs, `processor` the CPU time of its process, and
+    `start_up` the CPU time before that. `memory` is the peak of its process, in MiB.
     """
     try:
         line = log.read_text(encoding="utf-8", errors="replace").rstrip().rpartition("\n")[2]
@@ -124,17 +122,17 @@ def time_of(log: Path) -> dict[str, float] | None:
 
 @contextmanager
 def recorded(snakemake: Any) -> Iterator[None]:
-    """Verify the inputs of a job, and record its outputs when all are in place.
+    """Verify the inputs of a job, and record its outputs once all are in place.
 
     Raises:
-        DamagedError: an input is not what its record says, or changed while the job read it.
+        DamagedError: An input does not match its record, or changed while the job read it.
     """
     outputs = by_role(snakemake.output)
     for path in outputs.values():
-        record_path(OUT, path).unlink(missing_ok=True)  # of what was there before
+        record_path(OUT, path).unlink(missing_ok=True)  # of earlier outputs
     inputs = verified_inputs(OUT, by_role(snakemake.input))
     yield
-    # Files from elsewhere have no record from which they could be seen to differ.
+    # External files have no record that would show a change.
     for role, each in verified_inputs(OUT, by_role(snakemake.input)).items():
         if each != inputs[role]:
             raise DamagedError(f"{each.path} changed while the job read it; run again")

@@ -1,10 +1,12 @@
-"""What is kept of an output folder, what is taken from the store, and what must be made: the keys alone decide."""
+"""What is kept in an output folder, what comes from the store, and what must be made: keys alone decide."""
 
 from __future__ import annotations
 
+import os
 import sys
 from collections import Counter
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from itertools import count
@@ -18,11 +20,11 @@ from workflow.execution.dag import Job, Plan, keys_of
 
 
 class Keeper:
-    """Keeps an output folder in accord with a plan; its methods are the hooks of `workflow.execution.engine`.
+    """Brings an output folder in line with a plan; its methods are hooks of `workflow.execution.engine`.
 
     Attributes:
-        artifacts: the keys of all artifacts of a study by path; None before it was planned for real and as a whole.
-        complete: no artifact was removed because its code changed.
+        artifacts: the keys of all artifacts of a study by path; None until a whole study is planned for real.
+        complete: False if an artifact was removed because its code changed.
     """
 
     def __init__(self, out: Path, store: Store) -> None:
@@ -30,12 +32,13 @@ class Keeper:
         self.complete = True
         self._out = out
         self._store = store
-        self._keys: dict[str, str] = {}  # of jobs, by each output's path
+        self._keys: dict[str, str] = {}  # the job's key, by the path of each output
 
     def decide(self, plan: Plan) -> Collection[int]:
-        """The jobs that must run: those of which an artifact is missing, stale or damaged, and not in the store.
+        """The jobs that must run: those with an artifact that is missing, stale or damaged, and not in the store.
 
-        What is stale or damaged is said; for real it is also removed, and what the store has is put in place.
+        Stale and damaged artifacts are reported. If the plan is for real, they are removed, what the store has is put
+        in place, and no artifact is left older than its inputs.
         """
         jobs, for_real = plan.jobs, plan.for_real
         keys = keys_of(jobs, cache(lambda path: content(Path(path)).sha256))
@@ -60,6 +63,8 @@ class Keeper:
             else:
                 fetched = not job.forced and key in self._store
             (restored if fetched else needed).append(i)
+        if for_real:
+            _order_times(self._out, jobs)
         kept = len(jobs) - len(restored) - len(needed)
         _say(f"artifacts of {kept} jobs are kept, of {len(restored)} come from the cache, of {len(needed)} are made")
         if for_real:
@@ -71,11 +76,11 @@ class Keeper:
                 }
             self._keys = {path: key for job, key in zip(jobs, keys, strict=True) for path in job.outputs.values()}
             if restored or needed:
-                (self._out / MANIFEST).unlink(missing_ok=True)  # it speaks of another state
+                (self._out / MANIFEST).unlink(missing_ok=True)  # it describes another state
         return needed
 
     def finished(self, job: Job, same_code: bool = True) -> None:
-        """Put what a job has made into the store; remove it if its code is no longer that of the plan."""
+        """Put the outputs of a job into the store, or remove them if its code has changed since it was planned."""
         if not same_code:
             self.complete = False
             _say(f"the code of rule {job.rule} changed while the study ran: what it made is removed; run again")
@@ -94,7 +99,7 @@ class Keeper:
 
 @dataclass(frozen=True)
 class _Judged:
-    """The artifacts of a plan: records of the sound ones, the damaged ones, how many of each rule are stale."""
+    """The artifacts of a plan: records of the sound ones, the damaged ones, the number of stale ones by rule."""
 
     sound: dict[str, Record]
     damaged: list[str]
@@ -102,7 +107,7 @@ class _Judged:
 
 
 def _judge(out: Path, jobs: Sequence[Job], keys: Sequence[str]) -> _Judged:
-    """Compare what is there with the keys of a plan, and its bytes with its records."""
+    """Compare records with the keys of a plan, and artifacts with their records."""
     right: dict[str, Record] = {}
     stale: Counter[str] = Counter()
     for job, key in zip(jobs, keys, strict=True):
@@ -117,8 +122,26 @@ def _judge(out: Path, jobs: Sequence[Job], keys: Sequence[str]) -> _Judged:
     return _Judged(sound, sorted(found.keys() - sound.keys()), dict(sorted(stale.items())))
 
 
+def _order_times(out: Path, jobs: Sequence[Job]) -> None:
+    """Let no artifact look older than its inputs, or Snakemake would make it again."""
+    for job in jobs:
+        newest = max((_time(out / path) for path in job.inputs.values()), default=0)
+        for path in [out / path for path in job.outputs.values() if 0 < _time(out / path) < newest]:
+            for each in (path, path / ".snakemake_timestamp"):  # Snakemake's time of a folder
+                with suppress(OSError):
+                    os.utime(each, ns=(newest, newest))
+
+
+def _time(path: Path) -> int:
+    """The time of a file or folder in nanoseconds, 0 if it does not exist."""
+    try:
+        return path.stat().st_mtime_ns
+    except OSError:
+        return 0
+
+
 def _set_aside(out: Path, path: str) -> None:
-    """Move what somebody added to the folder of an artifact, or changed in it, to `OUT/changed`: it may be work."""
+    """Move files that somebody added to or changed in an artifact's folder to `OUT/changed`: they may be work."""
     record = read_record(out, path)
     if record is None or record.files is None or not (out / path).is_dir():
         return

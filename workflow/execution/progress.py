@@ -1,6 +1,6 @@
-"""One line for a run as a whole: the stage, how many jobs are done of how many, and about how long the rest takes.
+"""The line of progress of a run: jobs done, the stage, and about how long the rest takes.
 
-A thread of its own redraws it, so that one sees that the run is alive while a long job takes its time.
+A thread redraws it, so that the run looks alive during long jobs.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from typing import TextIO
 
 from workflow.execution.job import CLEAR
 
-EVERY = 30.0  # seconds between two lines where they cannot be redrawn in place
+EVERY = 30.0  # seconds between lines that cannot be redrawn in place
 
 
 class Progress:
-    """Tells how far a run is: on a terminal a line that is redrawn in place, elsewhere a line now and then.
+    """Shows how far a run is: on a terminal one line that is redrawn in place, elsewhere a line now and then.
 
     Args:
-        stream: where it is written.
-        clock: the time in seconds.
+        stream: where to write.
+        clock: gives the time in seconds.
     """
 
     def __init__(self, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic) -> None:
@@ -37,10 +37,10 @@ class Progress:
         self._alive: Thread | None = None
 
     def begin(self, stages: Iterable[str]) -> None:
-        """A run begins.
+        """Begin a run.
 
         Args:
-            stages: the stage of each job that is to be made.
+            stages: the stage of each job to be made.
         """
         self._left = Counter(stages)
         self._began = self._told = self._latest = self._clock()
@@ -51,11 +51,11 @@ class Progress:
             self._alive.start()
 
     def finished(self, stage: str, seconds: float) -> None:
-        """A job has ended well.
+        """Count a job that has succeeded.
 
         Args:
             stage: its stage.
-            seconds: what it took.
+            seconds: how long it took.
         """
         with self._lock:
             self._stage, self._latest = stage, self._clock()
@@ -66,18 +66,18 @@ class Progress:
                 self._write()
 
     def tick(self) -> None:
-        """Some time has passed in which no job ended."""
+        """Let time pass in which no job ended."""
         with self._lock:
             if self._left.total():
                 self._tell_if_due()
 
     @property
     def done(self) -> int:
-        """How many jobs have ended well."""
+        """The number of jobs that have succeeded."""
         return self._done.total()
 
     def end(self) -> None:
-        """The run has ended, well or not: what is written next begins a line."""
+        """End the run, successful or not, and the line."""
         self._ended.set()
         if self._alive is not None:
             self._alive.join()
@@ -86,10 +86,10 @@ class Progress:
             self._stream.flush()
 
     def remaining(self) -> float | None:
-        """Seconds that the rest takes, if a job takes what those of its stage took; None while too little is known.
+        """The seconds left, if jobs take as long as others of their stage did; None while too little is known.
 
-        Stages differ a hundredfold, so that nothing is said before most jobs that are left are of known stages. What
-        was known when a job last ended goes down from then on; once it has, nothing is known any more.
+        Stages differ a hundredfold, so most remaining jobs must be of known stages. Between jobs the estimate counts
+        down, and becomes None when it has reached zero.
         """
         means = {stage: self._seconds[stage] / count for stage, count in self._done.items()}
         known = sum(self._left[stage] for stage in means)
@@ -128,7 +128,7 @@ class Progress:
 
 
 def span(seconds: float) -> str:
-    """A time as people say it."""
+    """A duration in words."""
     if seconds < 99.5:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)

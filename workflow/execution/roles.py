@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from typing import Any
 
+from snakemake.iocontainers import Namedlist
 
-def by_role(items: Sequence[Any]) -> dict[str, Any]:
-    """What Snakemake lists (input, output, params, wildcards) by role: `fit`, `logs[0]`, or `[0]` without a name."""
-    names: Mapping[str, tuple[int, int | None]] = dict(items._get_names())  # type: ignore[attr-defined]
-    roles = {i: f"[{i}]" for i in range(len(items))}
-    for name, (first, end) in names.items():
-        if end is None:
-            roles[first] = name
-        else:
-            roles |= {i: f"{name}[{i - first}]" for i in range(first, end)}
-    return {role: items[i] for i, role in roles.items()}
+
+def by_role(items: Any) -> dict[str, Any]:
+    """What Snakemake lists (input, output, params, wildcards) by role: `fit`, `logs[0]`, or `[0]` without a name.
+
+    Raises:
+        ValueError: something without a name comes after something with one.
+    """
+    named: dict[str, Any] = {}
+    for name, value in items.items():
+        named |= (
+            {f"{name}[{i}]": each for i, each in enumerate(value)} if isinstance(value, Namedlist) else {name: value}
+        )
+    roles = {f"[{i}]": value for i, value in enumerate(items[: len(items) - len(named)])} | named
+    if list(roles.values()) != list(items):
+        raise ValueError(f"{items}: what has no name must come first")
+    return roles

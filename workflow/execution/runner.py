@@ -1,4 +1,4 @@
-"""Run a study: one run at a time in an output folder, what is there or in the store is kept, the rest is made."""
+"""Run a study: keep what is there, take what is in the store, and make the rest."""
 
 from __future__ import annotations
 
@@ -24,23 +24,23 @@ from workflow.execution.turns import RUNNING, turn_of_run
 from workflow.plan.config import keep_config
 
 FAILED, BUSY = 1, 3
-LEAST_ROOM = 2**18  # bytes; without them Snakemake cannot even write its notes
+LEAST_ROOM = 2**18  # bytes; with less, Snakemake cannot even write its notes
 REPORT = "report.html"
 
 
 def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence[str], store: Store) -> int:
-    """Run what is new of a study, and write its manifest.
+    """Run what is new in a study, and write the manifest.
 
     Args:
         config: the config file.
         out: the output folder.
-        cores: how many jobs may run at the same time; None for what the profile says.
+        cores: how many jobs may run at the same time; None for the profile's number.
         profile: where and how they run, see `engine.command_line`.
         more: further arguments for Snakemake.
         store: where artifacts are shared.
 
     Returns:
-        The exit status: 0; 1 where a job failed or was stopped; 3 where another run is on in this folder.
+        The exit status: 0, 1 if a job failed or was stopped, or 3 if another run is using the folder.
     """
     out = out.resolve()
     out.mkdir(parents=True, exist_ok=True)
@@ -59,7 +59,7 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
         arguments = [*engine.command_line(config, out, cores, profile), *more]
         status = engine.run(arguments, _hooks(out, keeper, progress))
         progress.end()
-        if progress.done:  # what it took to lay out, start and keep the jobs
+        if progress.done:  # what planning, starting and keeping took
             with suppress(OSError):  # the disk may be full
                 log = out / "joblogs" / "workflow.log"
                 log.write_text(time_line(0.0, time.monotonic() - began, time_of(log)), encoding="utf-8")
@@ -84,7 +84,7 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
 
 
 def _hooks(out: Path, keeper: Keeper, progress: Progress) -> engine.Hooks:
-    """What keeps artifacts and what tells of the progress, as hooks."""
+    """The hooks that keep artifacts and show the progress."""
 
     def decide(plan: Plan) -> Collection[int]:
         needed = keeper.decide(plan)
@@ -101,7 +101,7 @@ def _hooks(out: Path, keeper: Keeper, progress: Progress) -> engine.Hooks:
 
 
 def _is_full(out: Path) -> bool:
-    """Whether there is no room left where the output folder is; that is said."""
+    """Whether the disk of the output folder is full, which is reported."""
     free = shutil.disk_usage(out).free
     if free < LEAST_ROOM:
         sys.stderr.write(
@@ -112,8 +112,8 @@ def _is_full(out: Path) -> bool:
 
 
 def _show_warnings() -> None:
-    """Show what our own modules warn of, apart from what Snakemake logs."""
-    logging.raiseExceptions = False  # on a full disk Snakemake would tell of each line that its log file misses
+    """Show warnings of our own modules, independently of Snakemake's log."""
+    logging.raiseExceptions = False  # on a full disk Snakemake would report each line that its log misses
     handler = logging.StreamHandler()
     handler.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
     logger = logging.getLogger("workflow")
@@ -122,10 +122,7 @@ def _show_warnings() -> None:
 
 
 def _remove_parts(out: Path) -> None:
-    """Remove what a killed run was about to write, which carries a temporary name.
-
-    A study in a folder within this one is left alone: it may be running.
-    """
+    """Remove what killed runs left under temporary names, but not in studies in subfolders, which may be running."""
     for folder, inner, files in os.walk(out):
         inner[:] = [
             name for name in inner if not any(Path(folder, name, sign).exists() for sign in (FOLDER, RUNNING))

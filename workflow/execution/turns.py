@@ -1,4 +1,4 @@
-"""One run at a time in an output folder, and none beside the jobs of a run that was killed."""
+"""Locks: one run at a time in an output folder, and none alongside the jobs of a killed run."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 RUNNING, JOBS = ".running", ".jobs"  # locked by a run, and by its jobs
-TURN = "STUDY_RUN"  # the environment variable that tells a job of which run it is
+TURN = "STUDY_RUN"  # the environment variable with the run that a job belongs to
 
 
 @contextmanager
 def turn_of_run(out: Path) -> Iterator[bool]:
-    """Have an output folder for as long as the block lasts, or this process lives; whether nobody else had it.
+    """Lock an output folder while the block lasts and this process lives; yields whether it was free.
 
-    Jobs that outlived an earlier run, which was killed, are waited for: what they make is kept.
+    Waits for jobs that outlived a killed run; what they make is kept.
     """
     with (out / RUNNING).open("a") as running, (out / JOBS).open("a") as jobs:
         try:
@@ -29,7 +29,7 @@ def turn_of_run(out: Path) -> Iterator[bool]:
         except OSError as error:  # not every shared file system has locks
             sys.stderr.write(f"{out}: cannot be locked ({error.strerror}); run one study at a time in this folder\n")
         os.environ[TURN] = secrets.token_hex(8)
-        (out / RUNNING).write_text(os.environ[TURN])  # jobs of earlier runs that begin from now on see it, and end
+        (out / RUNNING).write_text(os.environ[TURN])  # jobs of earlier runs that begin from now on see it and end
         try:
             fcntl.flock(jobs, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -47,10 +47,10 @@ def turn_of_run(out: Path) -> Iterator[bool]:
 
 @contextmanager
 def turn_of_job(out: Path) -> Iterator[None]:
-    """Let no run begin in an output folder while the block lasts.
+    """Keep new runs out of an output folder while the block lasts.
 
     Raises:
-        SystemExit: another run has begun than the one that this process is a job of.
+        SystemExit: Another run than this job's has begun.
     """
     with (out / JOBS).open("a") as jobs:
         with suppress(OSError):  # not every shared file system has locks
