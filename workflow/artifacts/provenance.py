@@ -25,9 +25,8 @@ def code_hash(script: Path, *modules: str) -> str:
     Modules are found by reading the import statements. Their syntax trees are hashed, without docstrings.
 
     Args:
-        script: the script.
-        modules: further modules, as paths from the root of the project: those that the script imports by a name that
-            its rule gives.
+        script: The script.
+        modules: Further modules, which a script imports by a name that it is given, as paths from the project's root.
     """
     return _digest(script, *modules)
 
@@ -77,7 +76,7 @@ def parts_of_code(code: str) -> dict[str, str]:
 
 
 def imported_files(*scripts: Path) -> set[Path]:
-    """The scripts and the project files that they import, directly or not; without machinery."""
+    """Scripts and the project files that they import, directly or not: with package markers, without machinery."""
     found: set[Path] = set()
     waiting = [script.resolve() for script in scripts]
     while waiting:

@@ -59,7 +59,7 @@ def run(arguments: Sequence[str], hooks: Hooks) -> int:
         if asked.dryrun or not chosen:
             return 0
         plugins.orders = plugins.Orders({next(iter(job.outputs.values())): job for job in chosen}, hooks.finished)
-        forks.preload({job.script for job in chosen} | {ROOT / module for job in chosen for module in job.modules})
+        forks.preload({path for job in chosen for path in (job.script, *(ROOT / name for name in job.modules))})
         try:
             return 0 if cli.args_to_api(_making(asked, list(plugins.orders.jobs)), parser) else 1
         finally:
