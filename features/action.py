@@ -42,7 +42,6 @@ class Scale:
     Attributes:
         lowest: float64 (dim,), raw value that becomes 0.
         highest: float64 (dim,), raw value that becomes 1.
-
     """
 
     lowest: Array
@@ -62,11 +61,10 @@ def hand_target(scale: Scale, action: Array, object_position: Array, table_heigh
     """Give where an action puts the hand, metres in the robot frame.
 
     Args:
-        scale: of actions.
+        scale: Of actions.
         action: (…, dim_a), scaled, as the model knows it.
         object_position: (…, 2), metres on the table.
-        table_height: z of the table, metres.
-
+        table_height: Height of the table (z), metres.
     """
     relative = scale.unscale(action)[..., HAND]
     height = np.full((*object_position.shape[:-1], 1), table_height)
@@ -95,7 +93,6 @@ def fit_action_scale(hands: Array, joint_lower: Array, joint_upper: Array) -> Sc
         hands: (D, 3), hand relative to the attended object in the training trials.
         joint_lower: (J,) lower limits of the joints, radians.
         joint_upper: (J,) upper limits of the joints.
-
     """
     rest = np.zeros(len(TACTILE_NAMES))
     return Scale(

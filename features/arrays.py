@@ -22,10 +22,9 @@ def save_arrays(path: Path, kind: str, arrays: Mapping[str, NDArray[Any]]) -> No
     """Write named arrays; the same arrays give the same bytes.
 
     Args:
-        path: where to.
-        kind: what the arrays are together; checked on reading.
-        arrays: numbers, booleans or text.
-
+        path: Where to.
+        kind: What the arrays are together; checked on reading.
+        arrays: Numbers, booleans or text.
     """
     with replacing(path) as (temporary,), temporary.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, kind=np.array(kind), **arrays)
@@ -35,8 +34,7 @@ def load_arrays(path: Path, kind: str, names: tuple[str, ...]) -> dict[str, NDAr
     """Read the arrays `names` that `save_arrays` has written as `kind`.
 
     Raises:
-        ArtifactError: the file is missing, damaged, of another kind, or lacks or exceeds the names.
-
+        ArtifactError: The file is missing, damaged, of another kind, or lacks or exceeds the names.
     """
     if not path.is_file():
         raise ArtifactError(f"{path}: no such file of {kind}")

@@ -21,13 +21,12 @@ def fit_codebook(
 
     Args:
         pixels: RGB pixels (P, 3) of each training object.
-        colors: number of clusters; fewer if the pixels have fewer different values, with a warning.
-        per_object: at most so many pixels of each object take part, drawn at random.
-        random: draws the pixels and the starts of k-means.
+        colors: Number of clusters; fewer if the pixels have fewer different values, with a warning.
+        per_object: At most so many pixels of each object take part, drawn at random.
+        random: Draws the pixels and the starts of k-means.
 
     Returns:
         float64 (colors, 3): the cluster centres in RGB, 0 to 255, in lexicographic order.
-
     """
     from sklearn.cluster import KMeans
 

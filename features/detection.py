@@ -27,7 +27,6 @@ class Found:
     Attributes:
         mask: bool (H, W), its pixels, holes filled.
         box: (left, top, right, bottom) in pixels, right and bottom exclusive.
-
     """
 
     mask: Mask
@@ -40,14 +39,13 @@ def detect(image: Image, empty: Image, settings: Detection) -> tuple[Found, ...]
     Args:
         image: uint8 (H, W, 3) RGB.
         empty: uint8 (H, W, 3) RGB.
-        settings: thresholds.
+        settings: Thresholds.
 
     Returns:
         The objects from left to right by the middle of their boxes; none if there are none.
 
     Raises:
-        ValueError: the images differ in size or are not RGB.
-
+        ValueError: The images differ in size or are not RGB.
     """
     import cv2
 
@@ -158,13 +156,12 @@ def crop(image: Image, found: Found, margin: float) -> tuple[Image, Mask]:
 
     Args:
         image: uint8 (H, W, 3) RGB.
-        found: the object.
-        margin: margin around the box on each side, relative to its longer side. Beyond the image's edge, its
+        found: The object.
+        margin: Margin around the box on each side, relative to its longer side. Beyond the image's edge, its
             outermost pixels are repeated.
 
     Returns:
         The crop, uint8 (64, 64, 3), and the object's mask in it, bool (64, 64).
-
     """
     import cv2
 

@@ -20,25 +20,27 @@ from typing import Any
 import pyarrow as pa
 
 from features.size_limits import MAX_READER_BYTES, MAX_READER_SECONDS
-from features.table_columns import DAMAGED, FILES, load
+from features.table_columns import FILES
+from features.table_files import DAMAGED, load
 
 
 def load_apart(paths: Mapping[str, Path]) -> dict[str, tuple[Any, list[str]]]:
-    """Read files as `table_columns.load` does, each in a process of its own.
+    """Read files as `table_files.load` does, each in a process of its own.
 
     Args:
-        paths: the files by the key of their columns in `FILES`.
+        paths: The files by the key of their columns in `FILES`.
 
     Returns:
         By the same keys the Arrow table, None where the file cannot be read, and the problems of file and types.
     """
     root = str(Path(__file__).resolve().parents[1])
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}
+    environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}  # each thread reserves address space
     with tempfile.TemporaryDirectory() as folder:
         outs = {key: Path(folder) / key for key in paths}
         readers = {
             key: subprocess.Popen(
-                [sys.executable, "-m", "features.foreign_tables", key, str(path), str(outs[key])],
+                [sys.executable, "-P", "-m", "features.foreign_tables", key, str(path), str(outs[key])],
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 env=environment,

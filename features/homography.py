@@ -25,7 +25,6 @@ class Camera:
         projection: float64 (3, 4); maps (x, y, z, 1) to pixels; metres in the robot frame, z above the table.
         matrix: float64 (3, 3), K, in pixels.
         distortion: float64 (n,), OpenCV's coefficients D; empty for none.
-
     """
 
     projection: Array
@@ -43,15 +42,14 @@ def find_marks(image: NDArray[np.uint8], rows: int, columns: int) -> Array:
 
     Args:
         image: uint8 (H, W, 3) RGB.
-        rows: dots away from the robot.
-        columns: dots across.
+        rows: Dots away from the robot.
+        columns: Dots across.
 
     Returns:
         float64 (rows · columns, 2): the dots' middles in pixels, row by row from far to near, left to right.
 
     Raises:
-        CalibrationError: the grid is not there.
-
+        CalibrationError: The grid is not there.
     """
     import cv2
 
@@ -79,8 +77,7 @@ def fit_camera(pixels: Array, positions: Array, matrix: Array, distortion: Array
         distortion: D of the camera, may be empty.
 
     Raises:
-        CalibrationError: too few marks, marks on a line or off the fit, or a camera below the table.
-
+        CalibrationError: Too few marks, marks on a line or off the fit, or a camera below the table.
     """
     import cv2
 

@@ -44,7 +44,6 @@ def network_input(crops: Image, masks: Mask, appearance: str) -> NDArray[np.floa
 
     Returns:
         float32 (N, 3, 64, 64).
-
     """
     values = crops.astype(np.float32) / 255
     if appearance == "rgb":
@@ -63,15 +62,14 @@ def fc6(crops: Image, masks: Mask, settings: FeatureSettings) -> NDArray[np.floa
     Args:
         crops: uint8 (N, 64, 64, 3) RGB.
         masks: bool (N, 64, 64), none of them empty.
-        settings: weights and appearance.
+        settings: Weights and appearance.
 
     Returns:
         float32 (N, 4096), after the rectification, so 0 or more.
 
     Raises:
-        WeightsError: the weights cannot be loaded.
-        ValueError: a mask is empty.
-
+        WeightsError: The weights cannot be loaded.
+        ValueError: A mask is empty.
     """
     if empty := np.flatnonzero(~masks.any(axis=(1, 2))).tolist():
         raise ValueError(f"the masks of crops {empty} are empty; expected objects in all")

@@ -28,13 +28,12 @@ class Overview:
         crop_row: int64 (N,), row of each crop's object in the feature table.
         codebook: uint8 (colors, 3), the colors of the histogram's bins, RGB.
         histograms: float64 (N, colors), sorted by true color word where known.
-        histogram_words: true color word of each histogram, or None.
+        histogram_words: True color word of each histogram, or None.
         actions: float64 (D, dim_a), sorted by true action word where known.
-        action_words: true action word of each row of `actions`, or None.
+        action_words: True action word of each row of `actions`, or None.
         action_names: (dim_a,) names of the columns of `actions`.
-        projections: for `object_feature`, `color` and `action` the first two principal components, (N or D, 2).
-        projection_words: the true words that color the points of each projection, or None.
-
+        projections: For `object_feature`, `color` and `action` the first two principal components, (N or D, 2).
+        projection_words: The true words that color the points of each projection, or None.
     """
 
     trial: NDArray[np.int64]
@@ -57,11 +56,10 @@ def overview(percepts: Percepts, transforms: Transforms, table: FeatureTable, gr
     """Collect what the overview figure of an experiment shows.
 
     Args:
-        percepts: of some trials.
-        transforms: fitted on the training trials.
+        percepts: Of some trials.
+        transforms: Fitted on the training trials.
         table: `apply(transforms, percepts)`.
-        groups: number of groups into which k-means sorts the crops; at most the number of objects.
-
+        groups: Number of groups into which k-means sorts the crops; at most the number of objects.
     """
     from sklearn.cluster import KMeans
 

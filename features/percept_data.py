@@ -55,11 +55,10 @@ class Percepts:
         fc6: float32 (N, 4096).
         pixels: uint8 (P, 3), RGB pixels inside the objects' masks, object after object.
         pixel_index: int64 (P,), row (0..N−1) of each pixel's object, ascending.
-        dropped: why which trial was dropped, one text each.
+        dropped: Why which trial was dropped, one text each.
         dropped_trial: int64, the numbers of the dropped trials, in the same order.
         truth_action: D words or None, for evaluation only.
-        truth_position, truth_object, truth_color: the same, N words.
-
+        truth_position, truth_object, truth_color: The same, N words.
     """
 
     trial: NDArray[np.int64]
@@ -95,7 +94,6 @@ def first(percepts: Percepts, D: int) -> Percepts:
 
     Raises:
         ValueError: D is below 1 or above the number of trials, or all of them were dropped.
-
     """
     numbers = np.sort(np.concatenate([percepts.trial, percepts.dropped_trial]))
     if not 1 <= D <= len(numbers):
@@ -118,8 +116,7 @@ def join(parts: Sequence[Percepts]) -> Percepts:
     """Put the trials of several percepts one after the other, in order of their numbers.
 
     Raises:
-        ValueError: a trial occurs twice, the parts interleave, or their joints or tables differ.
-
+        ValueError: A trial occurs twice, the parts interleave, or their joints or tables differ.
     """
     parts = sorted(parts, key=lambda part: int(part.trial[0]))
     trials = np.concatenate([part.trial for part in parts])
@@ -173,8 +170,7 @@ def load_percepts(path: Path) -> Percepts:
     """Read what `save_percepts` wrote.
 
     Raises:
-        ArtifactError: the file is missing, damaged or something else.
-
+        ArtifactError: The file is missing, damaged or something else.
     """
     arrays: dict[str, Any] = load_arrays(path, "percepts", tuple(item.name for item in fields(Percepts)))
     try:

@@ -34,16 +34,15 @@ def perceive(logs: Iterable[Log], calibration_log: Log, settings: FeatureSetting
     """See, feel and hear what the logs hold.
 
     Args:
-        logs: one log a trial, of one experiment and set, in any order.
-        calibration_log: of the same experiment.
-        settings: of detection, crops and network.
+        logs: One log a trial, of one experiment and set, in any order.
+        calibration_log: Of the same experiment.
+        settings: Of detection, crops and network.
 
     Raises:
-        DetectionError: an implausible number of objects, where the setting does not drop the trial; or none
+        DetectionError: An implausible number of objects, where the setting does not drop the trial; or none
             is left.
-        LogError: a log lacks a signal or holds a bad one.
-        ValueError: trials repeat, or their joints or images differ.
-
+        LogError: A log lacks a signal or holds a bad one.
+        ValueError: Trials repeat, or their joints or images differ.
     """
     with one_thread():
         view = fit_view(calibration(calibration_log))

@@ -37,11 +37,10 @@ def standing_position(mask: NDArray[np.bool_], camera: Camera) -> NDArray[np.flo
 
     Args:
         mask: bool (H, W) of the object, not empty.
-        camera: the view of the table.
+        camera: The view of the table.
 
     Raises:
-        ValueError: the mask is empty.
-
+        ValueError: The mask is empty.
     """
     from scipy.optimize import least_squares
 

@@ -1,7 +1,7 @@
 """Feature tables: what the model learns from, and the two Parquet files that hold them.
 
-The files are the contract that people who bring their own features also write: one row a trial in the one,
-one row an object in the other; `features.table_columns` states the columns.
+The files are the contract that people who bring their own features also write: one row per trial in the one,
+one row per object in the other. `features.table_columns` states the columns.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from data_collection.files import replacing
 from features.table_check import problems_of_tables
-from features.table_columns import FILES, conform, load, numbers
+from features.table_columns import EXPECTED, FILES, Column
+from features.table_files import conform, load, numbers
 
 Texts = tuple[str | None, ...]
 
@@ -45,9 +46,8 @@ class FeatureTable:
         position: float64 (N, 2), p_dm, metres on the table, robot frame (x ahead, y left).
         object_feature: float64 (N, dim_o), o_dm.
         color: float64 (N, dim_c), c_dm, sums to 1.
-        truth_action: true action word of each trial, None where unknown; None altogether when none is known.
-        truth_position, truth_object, truth_color: the same for each object.
-
+        truth_action: True action word of each trial, None where unknown; None altogether when none is known.
+        truth_position, truth_object, truth_color: The same for each object.
     """
 
     trial: NDArray[np.int64]
@@ -96,9 +96,8 @@ def check_table(
     Args:
         trials: Parquet file of the trials.
         objects: Parquet file of the objects.
-        words: the experiment's words of each channel; with it, any other word is a breach.
-        need_attention: whether every trial's `attended_object` must be known (training needs it).
-
+        words: The experiment's words of each channel; with it, any other word is a breach.
+        need_attention: Whether every trial's `attended_object` must be known (training needs it).
     """
     try:
         import_table(trials, objects, words=words, need_attention=need_attention)
@@ -117,7 +116,7 @@ def import_table(
     """Read a feature table that somebody else wrote, in processes of bounded memory; see `check_table`.
 
     Raises:
-        TableError: the files break the contract; the message lists all problems.
+        TableError: The files break the contract; the message lists all problems.
     """
     from features.foreign_tables import load_apart
 
@@ -130,7 +129,7 @@ def read_table(trials: Path | str, objects: Path | str, *, need_attention: bool)
     """Read a feature table that `write_table` wrote; rows may stand in any order.
 
     Raises:
-        TableError: the files break the contract; the message lists all problems.
+        TableError: The files break the contract; the message lists all problems.
     """
     paths = Path(trials), Path(objects)
     read = tuple(load(path, columns) for path, columns in zip(paths, FILES.values(), strict=True))
@@ -146,7 +145,7 @@ def _sound_table(
     """The table of two files, given as Arrow tables with the problems of reading them.
 
     Raises:
-        TableError: there are such problems, or the values break the contract.
+        TableError: There are such problems, or the values break the contract.
     """
     (trials, trials_problems), (objects, objects_problems) = read
     problems = problems_of_tables(
@@ -156,21 +155,11 @@ def _sound_table(
         raise TableError(problems)
     trials = trials.sort_by("trial")
     objects = objects.sort_by([("trial", "ascending"), ("object", "ascending")])
-    trial = _integers(trials["trial"])
-    return FeatureTable(
-        trial=trial,
-        attended_object=_integers(trials["attended_object"]),
-        words=tuple(tuple(sentence) for sentence in trials["words"].to_pylist()),
-        action=_matrix(trials["action"]),
-        trial_index=np.searchsorted(trial, _integers(objects["trial"])).astype(np.int64),
-        position=_matrix(objects["position"]),
-        object_feature=_matrix(objects["object_feature"]),
-        color=_matrix(objects["color"]),
-        truth_action=_texts(trials, "truth_action"),
-        truth_position=_texts(objects, "truth_position"),
-        truth_object=_texts(objects, "truth_object"),
-        truth_color=_texts(objects, "truth_color"),
-    )
+    values = {column.name: _values(objects, column) for column in FILES["objects"]}
+    owner = values.pop("trial")
+    del values["object"]  # 0, 1, … in each trial, now that the rows are sorted
+    values |= {column.name: _values(trials, column) for column in FILES["trials"]}
+    return FeatureTable(trial_index=np.searchsorted(values["trial"], owner).astype(np.int64), **values)
 
 
 def read_metadata(path: Path | str) -> dict[str, str]:
@@ -188,14 +177,13 @@ def write_table(
     """Write both files; the same table and metadata give the same bytes.
 
     Args:
-        table: what to write; columns of truth that are None are left out.
-        trials: where the trials go.
-        objects: where the objects go.
-        metadata: key-value metadata of both files.
+        table: What to write; columns of truth that are None are left out.
+        trials: Where the trials go.
+        objects: Where the objects go.
+        metadata: Key-value metadata of both files.
 
     Raises:
-        TableError: the table itself breaks the contract; no file is written.
-
+        TableError: The table itself breaks the contract; no file is written.
     """
     paths = (Path(trials), Path(objects))
     parts = _arrow(table)
@@ -216,7 +204,6 @@ def head(table: FeatureTable, D: int) -> FeatureTable:
 
     Raises:
         ValueError: D is below 1 or above the number of trials.
-
     """
     if not 1 <= D <= len(table.trial):
         raise ValueError(f"D is {D}; expected 1 to {len(table.trial)}, the number of trials")
@@ -225,45 +212,38 @@ def head(table: FeatureTable, D: int) -> FeatureTable:
     def first(values: Any, count: int) -> Any:
         return None if values is None else values[:count]
 
-    by_trial = ("trial", "attended_object", "words", "action", "truth_action")
+    by_trial = {column.name for column in FILES["trials"]}
     return FeatureTable(**{name: first(values, D if name in by_trial else N) for name, values in vars(table).items()})
 
 
-def _integers(column: Any) -> NDArray[np.int64]:
-    """A column of integers, −1 where one is null."""
-    return numbers(column.combine_chunks(), -1)
-
-
-def _matrix(column: Any) -> NDArray[np.float64]:
-    """Turn lists of one length into the rows of a matrix."""
-    return numbers(column.combine_chunks().flatten(), np.nan).reshape(len(column), -1)
-
-
-def _texts(table: Any, name: str) -> Texts | None:
-    """Give a column of text; None when it is absent or all null."""
-    if name not in table.column_names or table[name].null_count == len(table[name]):
+def _values(table: Any, column: Column) -> Any:
+    """A column of an Arrow table as `FeatureTable` holds it; None for a text column that is absent or all null."""
+    if column.name not in table.column_names:
         return None
-    return tuple(table[name].to_pylist())
+    stored = table[column.name].combine_chunks()
+    match column.kind:
+        case "integer":
+            return numbers(stored, -1)
+        case "vector":
+            return numbers(stored.flatten(), np.nan).reshape(len(stored), -1)
+        case "words":
+            return tuple(tuple(sentence) for sentence in stored.to_pylist())
+        case "text":
+            return None if stored.null_count == len(stored) else tuple(stored.to_pylist())
 
 
-def _arrow(table: FeatureTable) -> tuple[Any, Any]:
-    """Make the two Arrow tables of a feature table."""
-    vector = pa.list_(pa.float64())
-    attended = [int(index) if index >= 0 else None for index in table.attended_object]
-    trials = {
-        "trial": pa.array(table.trial, pa.int64()),
-        "attended_object": pa.array(attended, pa.int64()),
-        "words": pa.array([list(sentence) for sentence in table.words], pa.list_(pa.string())),
-        "action": pa.array(list(table.action), vector),
-    }
-    objects = {
-        "trial": pa.array(table.trial[table.trial_index], pa.int64()),
-        "object": pa.array(np.arange(len(table.trial_index)) - table.first_object[table.trial_index], pa.int64()),
-        "position": pa.array(list(table.position), vector),
-        "object_feature": pa.array(list(table.object_feature), vector),
-        "color": pa.array(list(table.color), vector),
-    }
-    for name in ("truth_action", "truth_position", "truth_object", "truth_color"):
-        if (values := getattr(table, name)) is not None:
-            (trials if name == "truth_action" else objects)[name] = pa.array(values, pa.string())
-    return pa.table(trials), pa.table(objects)
+def _arrow(table: FeatureTable) -> tuple[Any, ...]:
+    """The Arrow tables of both files."""
+    index = np.arange(len(table.trial_index)) - table.first_object[table.trial_index]
+    parts = vars(table), vars(table) | {"trial": table.trial[table.trial_index], "object": index}
+    return tuple(
+        pa.table({one.name: _stored(values, one) for one in columns if (values := part[one.name]) is not None})
+        for part, columns in zip(parts, FILES.values(), strict=True)
+    )
+
+
+def _stored(values: Any, column: Column) -> Any:
+    """Values of a `FeatureTable` as an Arrow array; the inverse of `_values`."""
+    missing = values < 0 if column.kind == "integer" and column.nullable else None
+    values = values if column.kind == "integer" else list(values)
+    return pa.array(values, EXPECTED[column.kind], mask=missing)

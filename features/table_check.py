@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from data_collection.limits import WORD_RULE, is_word
 from features.size_limits import MAX_NUMBER, MAX_VECTOR_LENGTH
-from features.table_columns import EXPECTED, OBJECTS, TRIALS, Column, nulls, numbers
+from features.table_columns import EXPECTED, FILES, Column
+from features.table_files import nulls, numbers
 
 MAX_ROWS_NAMED = 20
 """So many rows are named for one breach of one column; the rest is counted."""
@@ -29,18 +30,17 @@ def problems_of_tables(
     """Find every breach of the contract in the values of two Arrow tables that `conform` has made.
 
     Args:
-        files: names of the trials and of the objects file, for the messages.
-        trials: table of `TRIALS`; None when it could not be read.
-        objects: table of `OBJECTS`; None when it could not be read.
-        need_attention: whether `attended_object` must be known in every trial.
-        words: the experiment's words of each channel; None to accept any.
+        files: Names of the trials and of the objects file, for the messages.
+        trials: Table of the trials; None when it could not be read.
+        objects: Table of the objects; None when it could not be read.
+        need_attention: Whether `attended_object` must be known in every trial.
+        words: The experiment's words of each channel; None to accept any.
 
     Returns:
         One message a breach, each with file, column, row and what is expected.
-
     """
     problems: list[str] = []
-    for file, table, columns in ((files[0], trials, TRIALS), (files[1], objects, OBJECTS)):
+    for file, table, columns in zip(files, (trials, objects), FILES.values(), strict=True):
         if table is None:
             continue
         if table.num_columns and not table.num_rows:

@@ -43,7 +43,6 @@ class Transforms:
         action_names: (dim_a,), names of the action's numbers.
         table_height: float64 (), z of the table, metres, robot frame.
         provenance: JSON of settings, weights, seed and training trials.
-
     """
 
     pca_mean: Array
@@ -71,14 +70,13 @@ def fit_transforms(percepts: Percepts, settings: FeatureSettings, seed: int, *na
     """Fit all transforms on training trials.
 
     Args:
-        percepts: the D training trials of the condition.
-        settings: how many components and colors, and which scale.
-        seed: of the study.
-        names: what names the condition (experiment, D); with the seed they decide the draws.
+        percepts: The D training trials of the condition.
+        settings: How many components and colors, and which scale.
+        seed: Of the study.
+        names: What names the condition (experiment, D); with the seed they decide the draws.
 
     Raises:
-        ValueError: no trial in which an action was executed, or fewer than two objects.
-
+        ValueError: No trial in which an action was executed, or fewer than two objects.
     """
     acted = percepts.acted & (percepts.attended_object >= 0)
     if not acted.any() or len(percepts.box) < 2:
@@ -178,8 +176,8 @@ def table_metadata(transforms: Transforms, dropped: Sequence[str] = ()) -> dict[
     """Give the metadata of the Parquet files: the action's names and scaling, and where all is from.
 
     Args:
-        transforms: what the table was made with.
-        dropped: why which of the set's trials are missing (`Percepts.dropped`).
+        transforms: What the table was made with.
+        dropped: Why which of the set's trials are missing (`Percepts.dropped`).
     """
     gone = {"dropped": json.dumps(list(dropped), ensure_ascii=False)} if dropped else {}
     return gone | {
@@ -201,8 +199,7 @@ def load_transforms(path: Path) -> Transforms:
     """Read what `save_transforms` wrote.
 
     Raises:
-        ArtifactError: the file is missing, damaged or something else.
-
+        ArtifactError: The file is missing, damaged or something else.
     """
     arrays: dict[str, Any] = load_arrays(path, "transforms", tuple(item.name for item in fields(Transforms)))
     arrays["action_names"] = tuple(str(name) for name in np.ravel(arrays["action_names"]))

@@ -15,9 +15,8 @@ class View:
 
     Attributes:
         empty: uint8 (H, W, 3) RGB, the table without objects.
-        camera: from pixels to the table and back.
-        table_height: z of the table, metres, robot frame.
-
+        camera: From pixels to the table and back.
+        table_height: Height of the table (z), metres, robot frame.
     """
 
     empty: Image
@@ -29,8 +28,7 @@ def fit_view(calibration: Calibration) -> View:
     """Find the marks in the calibration image, and fit the camera to them.
 
     Raises:
-        CalibrationError: the marks are not found, or do not fit.
-
+        CalibrationError: The marks are not found, or do not fit.
     """
     marks = find_marks(calibration.image_marks, calibration.mark_rows, calibration.mark_columns)
     camera = calibration.camera

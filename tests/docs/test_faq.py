@@ -14,7 +14,7 @@ import yaml
 from data_collection import limits
 from data_collection.__main__ import main as data_collection
 from data_collection.log.topics import BY_TOPIC, HAND_POSE, JOINT_STATES
-from features import limits as table_limits
+from features import size_limits as table_limits
 from features.transforms import _principal_components
 from tests.docs.conditions import SMOKE, patched
 from tests.docs.pages import ROOT, Block, blocks, matches

@@ -22,13 +22,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from features import foreign_tables
+from features import foreign_tables, table_files
 from features.size_limits import MAX_TABLE_BYTES, MAX_VECTOR_LENGTH
 from features.table import FeatureTable, TableError, check_table, read_table, write_table
-from features.table_columns import DAMAGED as DAMAGED_FILE
+from features.table_columns import FILES as COLUMNS
 from features.table_columns import Column
+from features.table_files import DAMAGED as DAMAGED_FILE
 from tests.bounded import errors_within
-from tests.features.test_table import COLUMNS, arrow, save, saved, valid
+from tests.features.test_table import arrow, save, saved, valid
 from tests.fuzz import FEW, MANY, MUTATIONS, Mutation, examples, mutated
 
 NAN, INF = float("nan"), float("inf")
@@ -349,7 +350,9 @@ def test_a_reader_that_hangs_is_ended(tmp_path: Path, monkeypatch: pytest.Monkey
     assert "not read within 1 seconds" in reader_that(tmp_path, monkeypatch, "exec sleep 60")
 
 
-@pytest.mark.parametrize(("megabytes", "says"), [(2**9, "takes more memory than a table may"), (2**12, None)])
+@pytest.mark.parametrize(
+    ("megabytes", "says"), [(2**9, "larger than a table may be: reading it takes too much memory"), (2**12, None)]
+)
 def test_a_reader_has_a_bounded_memory(tmp_path: Path, megabytes: int, says: str | None) -> None:
     """A sound column of 320 MB, whose footer says so, and readers with more and with less memory than it needs."""
     path = tmp_path / "trials.parquet"
@@ -415,7 +418,24 @@ def test_fuzz_any_bytes(folder: Path, content: bytes, footer: bool) -> None:
     if footer:
         content = b"PAR1" + content + len(content).to_bytes(4, "little") + b"PAR1"
     trials.write_bytes(content)
-    assert "trials.parquet: not a Parquet file" in check_table(trials, objects, need_attention=True)[0]
+    found = in_a_fork(lambda: read_table(trials, objects, need_attention=True))
+    problems = found.problems if isinstance(found, TableError) else check_table(trials, objects, need_attention=True)
+    assert "trials.parquet: not a Parquet file" in problems[0]
+
+
+@pytest.mark.bad_input
+@pytest.mark.parametrize("column", ["trial", "words", "action", "truth_action"])
+def test_pages_that_hold_something_else_than_the_footer_says(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, column: str
+) -> None:
+    paths = saved(folder, valid())
+    leaves = [leaf.split(".")[0] for leaf in (pq.ParquetFile(paths[0]).schema.column(i).path for i in range(5))]
+    counts = table_files._values_per_leaf(pq.read_metadata(paths[0]))
+    counts[leaves.index(column)] -= 1
+    monkeypatch.setattr(table_files, "_values_per_leaf", lambda metadata: counts)
+    table, problems = table_files.load(paths[0], COLUMNS["trials"])
+    assert table is None
+    assert f"column {column!r} holds" in problems[0]
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from features import table_columns
+from features import foreign_tables, table_columns, table_files
 from features.table import (
     FeatureTable,
     TableError,
@@ -23,17 +23,26 @@ from features.table import (
     write_table,
 )
 from features.table_check import MAX_ROWS_NAMED
-from features.table_columns import OBJECTS, TRIALS
+from features.table_columns import FILES as COLUMNS
 
 INTEGERS, TEXT, WORDS, VECTOR = pa.int64(), pa.string(), pa.list_(pa.string()), pa.list_(pa.float64())
 TYPES = {"integer": INTEGERS, "text": TEXT, "words": WORDS, "vector": VECTOR}
-COLUMNS = {"trials": TRIALS, "objects": OBJECTS}
 VOCABULARY = {
     "action": ["reach", "grasp"],
     "position": ["left", "right"],
     "object": ["box"],
     "color": ["red", "blue"],
 }
+
+
+@pytest.fixture(autouse=True)
+def _read_in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Processes of their own take half a second; test_hostile_tables.py has them."""
+    monkeypatch.setattr(
+        foreign_tables,
+        "load_apart",
+        lambda paths: {key: table_files.load(path, COLUMNS[key]) for key, path in paths.items()},
+    )
 
 
 def valid() -> dict[str, dict[str, list[Any]]]:
@@ -358,7 +367,7 @@ def test_unreadable_file(tmp_path: Path, file: str, how: str, message: str) -> N
 )
 def test_too_big(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str, unit: str) -> None:
     paths = saved(tmp_path, valid())
-    monkeypatch.setattr(table_columns, limit, 2)
+    monkeypatch.setattr(table_files, limit, 2)
     problems = check_table(*paths, need_attention=True)
     assert len(problems) == 2
     assert all("at most " in problem and f" 2{unit}" in problem for problem in problems)
@@ -371,9 +380,9 @@ def test_a_small_file_that_unpacks_to_too_much_is_not_unpacked(
     tables = {file: arrow(columns, file) for file, columns in valid().items()}
     tables["trials"] = pa.concat_tables([tables["trials"]] * 5000)
     paths = save(tmp_path, tables)
-    monkeypatch.setattr(table_columns, "MAX_TABLE_ROWS", 10_000)
+    monkeypatch.setattr(table_files, "MAX_TABLE_ROWS", 10_000)
     monkeypatch.setattr(pq.ParquetFile, "read_row_group", None)
-    table, problems = table_columns.load(paths[0], TRIALS)
+    table, problems = table_files.load(paths[0], COLUMNS["trials"])
     assert table is None
     assert "holds 15,000 rows" in problems[0]
 
@@ -417,3 +426,9 @@ def test_head_takes_the_first_trials_and_their_objects(table: FeatureTable) -> N
     for D in (0, 4):
         with pytest.raises(ValueError, match=f"D is {D}; expected 1 to 3"):
             head(table, D)
+
+
+@pytest.mark.parametrize("file", COLUMNS)
+def test_the_page_shows_the_columns_of_the_code(file: str) -> None:
+    page = Path(__file__).parents[2] / "docs/features.md"
+    assert table_columns.markdown(file) in page.read_text(encoding="utf-8")
