@@ -118,12 +118,7 @@ FIGURES = {
         "brackets, what happened.",
         forms=("png",),
     ),
-    "objects": Figure(
-        "simulated:objects",
-        "simulation",
-        "The objects of the experiment, on the table.",
-        "Figure 7",
-    ),
+    "objects": Figure("simulated:objects", "simulation", "The objects of the experiment, on the table.", "Figure 7"),
 }
 
 

@@ -22,7 +22,7 @@ VARIANT, SAMPLER = "default", "published"
 CELL = ["experiment", "D", "ROW", "method", "measure"]
 CLAIM_COLUMNS = ["claim", "text", "experiment", "paper", "ours", "verdict", "rests_on", "note"]
 COMPARISON_COLUMNS = [
-    *("claim", "comparison", "left", "right", "difference", "low", "high", "bound", "n", "verdict", "rests_on"),
+    *("claim", "comparison", "left", "right", "difference", "low", "high", "bound", "n", "verdict", "rests_on")
 ]
 
 

@@ -107,13 +107,6 @@ def _ellipse(axes: Axes, mean: np.ndarray, factor: np.ndarray, shade: Any) -> No
     for fill, opacity in ((True, 0.12), (False, 1.0)):
         axes.add_patch(
             Ellipse(
-                (mean[1], mean[0]),
-                width,
-                height,
-                angle=angle,
-                color=shade,
-                fill=fill,
-                alpha=opacity,
-                linewidth=1.5,
+                (mean[1], mean[0]), width, height, angle=angle, color=shade, fill=fill, alpha=opacity, linewidth=1.5
             )
         )

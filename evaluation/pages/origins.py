@@ -20,12 +20,7 @@ def settings(config: str, experiments: Mapping[str, Mapping[str, Any]]) -> Secti
         experiments: The settings by experiment, plain data.
     """
     parts = tuple(
-        Part(
-            f"settings_{name}",
-            name,
-            f"<pre>{escape(_yaml(own))}</pre>",
-        )
-        for name, own in experiments.items()
+        Part(f"settings_{name}", name, f"<pre>{escape(_yaml(own))}</pre>") for name, own in experiments.items()
     )
     return Section(
         "settings",

@@ -18,12 +18,12 @@ import zstandard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from data_collection.log_differences import differences
 from data_collection.limits import MAX_LOG_BYTES
 from data_collection.log import codec, topics
 from data_collection.log.mcap_log import Log, LogError, Message, write_log
 from data_collection.log.topics import BY_TOPIC, TOPICS
 from data_collection.log.validation import problems
+from data_collection.log_differences import differences
 from tests.bounded import errors_within
 from tests.data_collection.broken_logs import TIME, kind_with, messages, metadata, refusal, sound, use
 from tests.data_collection.raw_mcap import (

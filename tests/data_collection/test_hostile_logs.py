@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from data_collection.log_differences import differences
 from data_collection.log import topics
 from data_collection.log.topics import TOPICS, LogKind, Topic
 from data_collection.log.validation import kind_of, problems
+from data_collection.log_differences import differences
 from tests.data_collection.broken_logs import CASES, kind_with, messages, metadata, refusal, use
 from tests.data_collection.raw_mcap import (
     Raw,

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from data_collection.log_differences import differences
 from data_collection.joints import JOINT_NAMES
 from data_collection.log import mcap_log, topics
 from data_collection.log.mcap_log import Log, LogError, Message, read_log, write_log
 from data_collection.log.messages import CameraInfo, JointState, Transform, Value
+from data_collection.log_differences import differences
 from data_collection.seeding import generator
 
 

@@ -5,7 +5,6 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from data_collection.log_differences import _same
 from data_collection.joints import JOINT_NAMES
 from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError, Message
@@ -13,6 +12,7 @@ from data_collection.log.messages import CameraInfo, JointState, Value
 from data_collection.log.topics import TOPICS, TRUTH_PREFIX, LogKind
 from data_collection.log.trial import calibration, observation, truth
 from data_collection.log.validation import problems
+from data_collection.log_differences import _same
 
 
 def _without(log: Log, prefix: str) -> Log:

@@ -199,11 +199,7 @@ def test_a_word_that_the_experiment_has_is_not_unknown(table: FeatureTable) -> N
 
 def test_a_table_without_truth_leaves_the_measures_empty(proposed: Fit, table: FeatureTable, tmp_path: Path) -> None:
     blind = replace(
-        head(table, 3),
-        attended_object=np.full(3, -1),
-        truth_position=None,
-        truth_object=None,
-        truth_color=None,
+        head(table, 3), attended_object=np.full(3, -1), truth_position=None, truth_object=None, truth_color=None
     )
     asked = instructions(blind, WORDS)
     assert not {"no_fit", "two_alike", "two_alike_place"} & {one.kind for one in asked}

@@ -74,6 +74,17 @@ def test_times_of_files_do_not_matter(run: Run, out: Path) -> None:
     assert run() == []
 
 
+def test_no_artifact_is_left_older_than_its_inputs(run: Run, out: Path) -> None:
+    """Snakemake, and whoever runs it by hand, would make it again."""
+    run()
+    os.utime(out / "mcap/b.mcap", (2e9, 2e9))
+    os.utime(out / "scores.csv", (1e9, 1e9))
+    assert run() == []
+    times = [(out / path).stat().st_mtime for path in ("mcap/b.mcap", "fits/1.npz", "fits/more", "scores.csv")]
+    assert times == sorted(times)
+    assert (out / "mcap/a.mcap").stat().st_mtime < 2e9
+
+
 def test_a_setting_reruns_what_depends_on_it_and_back(
     run: Run, out: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

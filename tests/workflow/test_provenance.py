@@ -96,7 +96,7 @@ def test_a_changed_import_changes_the_hash(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr(provenance, "ROOT", tmp_path)
 
     def fresh() -> str:
-        for function in (provenance.code_hash, provenance._imports):
+        for function in (provenance.code_hash, provenance._files):
             function.cache_clear()
         return provenance.code_hash(script)
 

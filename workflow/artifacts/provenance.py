@@ -25,9 +25,8 @@ def code_hash(script: Path, *modules: str) -> str:
     Modules are found by reading the import statements. Their syntax trees are hashed, without docstrings.
 
     Args:
-        script: the script.
-        modules: further modules, as paths from the root of the project: those that the script imports by a name that
-            its rule gives.
+        script: The script.
+        modules: Further modules, which a script imports by a name that it is given, as paths from the project's root.
     """
     return _digest(script, *modules)
 
@@ -43,14 +42,16 @@ def code_is_unchanged(script: Path, *modules: str) -> bool:
 def _digest(script: Path, *modules: str) -> str:
     digest = hashlib.sha256(f"format {FORMAT}\0".encode())
     for path in sorted(imported_files(script, *(ROOT / module for module in modules))):
-        digest.update(f"{path.relative_to(ROOT).as_posix()}\0{_syntax(path.read_bytes())}\0".encode())
+        digest.update(f"{path.relative_to(ROOT).as_posix()}\0{_parsed(path.read_bytes())[0]}\0".encode())
     return digest.hexdigest()
 
 
 @cache
-def _syntax(source: bytes) -> str:
-    """The sha256 of a module's syntax tree."""
-    return hashlib.sha256(ast.dump(_WithoutDocstrings().visit(ast.parse(source))).encode()).hexdigest()
+def _parsed(source: bytes) -> tuple[str, frozenset[str]]:
+    """The sha256 of a module's syntax tree, and the names that it imports."""
+    tree = ast.parse(source)
+    names = frozenset(imported_names(tree))
+    return hashlib.sha256(ast.dump(_WithoutDocstrings().visit(tree)).encode()).hexdigest(), names
 
 
 class _WithoutDocstrings(ast.NodeTransformer):
@@ -77,20 +78,15 @@ def parts_of_code(code: str) -> dict[str, str]:
 
 
 def imported_files(*scripts: Path) -> set[Path]:
-    """The scripts and the project files that they import, directly or not; without machinery."""
+    """Scripts and the project files that they import, directly or not: with package markers, without machinery."""
     found: set[Path] = set()
     waiting = [script.resolve() for script in scripts]
     while waiting:
         path = waiting.pop()
         if path not in found:
             found.add(path)
-            waiting.extend(_imports(path))
+            waiting += [file for name in _parsed(path.read_bytes())[1] for file in _files(name)]
     return found
-
-
-@cache
-def _imports(path: Path) -> tuple[Path, ...]:
-    return tuple(file for name in imported_names(ast.parse(path.read_bytes(), str(path))) for file in _files(name))
 
 
 def imported_names(tree: ast.AST) -> Iterator[str]:
@@ -104,13 +100,10 @@ def imported_names(tree: ast.AST) -> Iterator[str]:
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
-def _files(name: str) -> Iterator[Path]:
+@cache
+def _files(name: str) -> list[Path]:
     """The project files that importing a name executes; none for other packages and the machinery."""
     parts = name.split(".")
-    if parts[0] == MACHINERY:
-        return
-    for depth in range(1, len(parts) + 1):
-        base = ROOT.joinpath(*parts[:depth])
-        for candidate in (base.with_suffix(".py"), base / "__init__.py"):
-            if candidate.is_file():
-                yield candidate
+    bases = [] if parts[0] == MACHINERY else [ROOT.joinpath(*parts[: i + 1]) for i in range(len(parts))]
+    files = [file for base in bases for file in (base.with_suffix(".py"), base / "__init__.py")]
+    return [file for file in files if file.is_file()]

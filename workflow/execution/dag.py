@@ -35,9 +35,9 @@ class Job:
     script: Path = Path()
 
     @property
-    def modules(self) -> tuple[str, ...]:
-        """The modules that the script imports because a parameter names them, as paths from the project's root."""
-        return tuple(self.parameters.get("modules", ()))
+    def modules(self) -> list[str]:
+        """The project files that its script imports by a name that it is given."""
+        return list(self.parameters.get("modules", ()))
 
     @property
     def stage(self) -> str:

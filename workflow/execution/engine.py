@@ -48,7 +48,8 @@ def run(arguments: Sequence[str], hooks: Hooks) -> int:
         asked = _changed(asked, logger=[plugins.LOGGER], rerun_incomplete=False)  # records tell what is complete
         try:
             plugins.orders = plugins.Orders()
-            laying_out = asked if asked.touch else _changed(asked, dryrun=True)
+            changes_files = asked.touch or asked.delete_all_output or asked.delete_temp_output
+            laying_out = asked if changes_files else _changed(asked, dryrun=True)
             return 0 if cli.args_to_api(laying_out, parser) else 1  # the answer to a question such as --summary
         except plugins.LaidOut as laid_out:
             jobs = laid_out.jobs
@@ -59,7 +60,7 @@ def run(arguments: Sequence[str], hooks: Hooks) -> int:
         if asked.dryrun or not chosen:
             return 0
         plugins.orders = plugins.Orders({next(iter(job.outputs.values())): job for job in chosen}, hooks.finished)
-        forks.preload({job.script for job in chosen} | {ROOT / module for job in chosen for module in job.modules})
+        forks.preload({path for job in chosen for path in (job.script, *(ROOT / name for name in job.modules))})
         try:
             return 0 if cli.args_to_api(_making(asked, list(plugins.orders.jobs)), parser) else 1
         finally:

@@ -68,11 +68,8 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
         if status == 0 and keeper.artifacts is not None:
             try:
                 write_manifest(out, keeper.artifacts)
-            except ValueError as error:
-                sys.stderr.write(f"{error}\n")
-                status = FAILED
-            except OSError as error:
-                sys.stderr.write(f"{out}: the manifest cannot be written ({error})\n")
+            except (ValueError, OSError) as error:
+                sys.stderr.write(f"{out}, manifest: {error}\n")
                 status = FAILED
         store.trim()
         if status == 0 and REPORT in (keeper.artifacts or ()):

@@ -16,13 +16,13 @@ from workflow.execution.job import job
 with job(snakemake):
     files, params = snakemake.input, snakemake.params
     tables = sheets(params.tables, Path(files.scores), [Path(path) for path in files.uncertain])
-    texts = [pd.read_csv(path, dtype=str, keep_default_na=False) for path in files.claims]
+    claims, comparisons = (pd.read_csv(path, dtype=str, keep_default_na=False) for path in files.claims)
     chains = {Path(path).stem: pd.read_csv(path) for path in files.diagnostics}
     made = {name: read_metadata(path) for name, path in zip(params.droppable, files.droppable, strict=True)}
     dropped = {name: json.loads(told.get("dropped", "[]")) for name, told in made.items()}
     sections = [
         report.about(params.config, params.sources, read_scores([Path(files.scores)]), dropped),
-        report.claims(*texts, tables),
+        report.claims(claims, comparisons, tables),
         report.tables(tables),
         report.figures(params.figures, Path()),
         report.diagnostics(chains),
