@@ -78,7 +78,7 @@ def animation(log: Log, *, width: int = 480, height: int = 360, every: int = 1) 
 
 
 def brief(log: Log, pictures: int = 9) -> list[Image]:
-    """Return about so many pictures of an animation, evenly spaced, the last one included."""
+    """Return about the given number of pictures of an animation, evenly spaced, the last one included."""
     states = sum(message.topic == topics.JOINT_STATES for message in log.messages)
     return animation(log, width=400, height=300, every=max(1, math.ceil((states - 1) / (pictures - 1))))
 
