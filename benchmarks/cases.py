@@ -24,17 +24,17 @@ class Case:
     """One fit to be measured.
 
     Attributes:
-        series: what is varied, the name of a curve.
-        size: its value.
-        method: name of the method.
-        sampler: name of the sampler in `SAMPLERS`.
+        series: What is varied, the name of a curve.
+        size: Its value.
+        method: Name of the method.
+        sampler: Name of the sampler in `SAMPLERS`.
         trials: D; there are two objects per trial on average.
         categories: K.
-        dimensions: of the action and of each object channel.
+        dimensions: Of the action and of each object channel.
         vocabulary: W.
-        words: words per sentence, at most one per channel.
-        iterations: sweeps of the fit.
-        repetitions: how often it is measured; the fastest counts.
+        words: Words per sentence, at most one per channel.
+        iterations: Sweeps of the fit.
+        repetitions: How often it is measured; the fastest counts.
     """
 
     series: str

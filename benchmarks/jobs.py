@@ -22,7 +22,7 @@ def job_times(logs: Path) -> pd.DataFrame:
     """Seconds of each stage, the longest first: stage, jobs, start_up, work, processor, longest, wall, memory, share.
 
     Args:
-        logs: the folder of the job logs; a folder in it, or a log, is a stage.
+        logs: The folder of the job logs; a folder in it, or a log, is a stage.
     """
     rows = [
         {"stage": path.relative_to(logs).with_suffix("").parts[0], **took}

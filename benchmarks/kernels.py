@@ -22,11 +22,11 @@ class Kernel:
     """A kernel at one size.
 
     Attributes:
-        name: its name.
-        dimension: of the features.
-        flops: floating-point operations per call, of the algorithm, not of the machine code.
-        bytes: data that a call has to read and write at least once.
-        seconds: processor time of a call, the fastest of many.
+        name: Its name.
+        dimension: Of the features.
+        flops: Floating-point operations per call, of the algorithm, not of the machine code.
+        bytes: Data that a call has to read and write at least once.
+        seconds: Processor time of a call, the fastest of many.
     """
 
     name: str
@@ -41,8 +41,8 @@ class Machine:
     """What one core reaches.
 
     Attributes:
-        peak: floating-point operations per second, of a matrix product of the linear algebra library.
-        bandwidth: bytes per second, of a sum of two arrays too large for the caches.
+        peak: Floating-point operations per second, of a matrix product of the linear algebra library.
+        bandwidth: Bytes per second, of a sum of two arrays too large for the caches.
     """
 
     peak: float

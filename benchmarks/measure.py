@@ -18,10 +18,10 @@ class Measurement:
     """What a fit took.
 
     Attributes:
-        seconds: wall-clock time of the fastest of the repetitions, imports and compilation left out.
-        processor_seconds: processor time of the fastest; on a busy machine it tells more.
-        peak_mebibytes: largest resident memory of the whole process.
-        baseline_mebibytes: the same before the fit: Python, NumPy, Numba and the data.
+        seconds: Wall-clock time of the fastest of the repetitions, imports and compilation left out.
+        processor_seconds: Processor time of the fastest; on a busy machine it tells more.
+        peak_mebibytes: Largest resident memory of the whole process.
+        baseline_mebibytes: The same before the fit: Python, NumPy, Numba and the data.
     """
 
     seconds: float

@@ -81,9 +81,9 @@ def needs(stages: pd.DataFrame, sizes: Mapping[str, int], times: int) -> str:
     """The page.
 
     Args:
-        stages: rows of `job_times`, one of them the run itself; what is not known of wall and memory may be missing.
-        sizes: bytes of the artifacts by folder.
-        times: how many times as many jobs.
+        stages: Rows of `job_times`, one of them the run itself; what is not known of wall and memory may be missing.
+        sizes: Bytes of the artifacts by folder.
+        times: How many times as many jobs.
     """
     rows, shared, alone = [], {1: 0.0, times: 0.0}, {1: 0.0, times: 0.0}
     for row in stages.to_dict("records"):

@@ -49,9 +49,9 @@ def summary(fits: pd.DataFrame, kernels: pd.DataFrame, machine: Machine) -> str:
     """The tables of a run as Markdown.
 
     Args:
-        fits: rows of `measure.as_row`.
-        kernels: the rows of kernels.csv.
-        machine: what one core reaches.
+        fits: Rows of `measure.as_row`.
+        kernels: The rows of kernels.csv.
+        machine: What one core reaches.
     """
     paper = fits[fits.series == "paper"].to_dict("records")
     large = fits[fits.series == "large"].to_dict("records")[0]

@@ -2,7 +2,7 @@
 
 Numba notices a change of the file of a cached function, but not of the functions that it calls from other
 files. The folder is therefore named by a digest of all compiled sources, of the versions and of the
-processor: a folder never holds code of two kinds, on a file system shared by different machines neither.
+processor: a folder never holds code of two kinds, even on a file system that different machines share.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def cache_folder() -> Path | None:
         if os.access(folder, os.W_OK):
             return folder
     logging.getLogger(__name__).warning(
-        "no folder for compiled code can be written, so that every process compiles anew: set NUMBA_CACHE_DIR"
+        "no folder for compiled code can be written, so every process compiles again: set NUMBA_CACHE_DIR"
     )
     return None
 
@@ -73,7 +73,7 @@ def compile_once(warm_up: Callable[[], None]) -> None:
     """Have everything compiled by one process, while those that start at the same time wait for it.
 
     Args:
-        warm_up: calls every compiled function that a fit needs. It runs if the folder has never seen it end.
+        warm_up: Calls every compiled function that a fit needs. It runs if the folder has never seen it end.
     """
     folder = cache_folder()
     if folder is None or (folder / "complete").exists():

@@ -1,4 +1,4 @@
-"""What a sampler is given: the trials, as one element list a channel."""
+"""What a sampler is given: the trials, as one list of elements per channel."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class Channel:
     color, a trial's action for action. The model knows no other difference between channels.
 
     Attributes:
-        name: name of the channel.
-        features: (N, dim) one row an element.
+        name: Name of the channel.
+        features: (N, dim) one row per element.
         speaker: (D,) for each trial the element that its sentence is about: the attended object,
             or the trial's action.
     """
@@ -43,12 +43,12 @@ class Trials:
     """D trials: features per channel and the words heard.
 
     Attributes:
-        channels: the channels, in the order in which frames number them.
+        channels: The channels, in the order in which frames number them.
         words: (C, T) index into the vocabulary of each of the T words, once for each channel. What
             was heard is one sentence, so the C rows are equal, except in data drawn from the model
             of method (C), where each channel utters a sentence of its own.
         word_trial: (T,) the trial d of each word, not decreasing.
-        vocabulary: the W words.
+        vocabulary: The W words.
     """
 
     channels: tuple[Channel, ...]
@@ -60,7 +60,7 @@ class Trials:
         """Which channel has this name, as frames number them.
 
         Raises:
-            ValueError: none has.
+            ValueError: No channel has it.
         """
         return [own.name for own in self.channels].index(channel)
 
@@ -117,14 +117,14 @@ class Trials:
         """Build trials from plain arrays.
 
         Args:
-            action: (D, dim_a) one action a trial.
-            objects: for each object channel (N, dim_x), one row an object on any table.
+            action: (D, dim_a) one action per trial.
+            objects: For each object channel (N, dim_x), one row per object on any table.
             trial_of_object: (N,) the trial 0..D-1 of each object, not decreasing.
             attended: (D,) index 0..M_d-1 of the attended object A_d within its trial.
-            sentences: the D sentences; their words make the vocabulary.
+            sentences: The D sentences; their words make the vocabulary.
 
         Raises:
-            ValueError: shapes disagree, a value is not finite, or `attended` points nowhere.
+            ValueError: Shapes disagree, a value is not finite, or `attended` points nowhere.
         """
         action = np.array(action, dtype=np.float64, order="C")
         features = {name: np.array(rows, dtype=np.float64, order="C") for name, rows in objects.items()}

@@ -23,15 +23,15 @@ class Diagnosis:
     """How well chains have mixed in one quantity.
 
     Attributes:
-        quantity: its name.
-        mean: over all chains and draws.
-        sd: standard deviation over all chains and draws.
-        r_hat: rank-normalised split R-hat (Vehtari et al. 2021); about 1 where chains agree, infinite where each
+        quantity: Its name.
+        mean: Over all chains and draws.
+        sd: Standard deviation over all chains and draws.
+        r_hat: Rank-normalised split R-hat (Vehtari et al. 2021); about 1 where chains agree, infinite where each
             stays at a value of its own. None where the quantity is the same everywhere, or the chain the only one,
             for then nothing can be said.
-        ess_bulk: effective sample size in the bulk; None where the quantity is the same everywhere, or where ArviZ
+        ess_bulk: Effective sample size in the bulk; None where the quantity is the same everywhere, or where ArviZ
             finds none.
-        ess_tail: effective sample size in the tails, likewise.
+        ess_tail: Effective sample size in the tails, likewise.
     """
 
     quantity: str
@@ -46,16 +46,16 @@ def chain_quantities(fits: Sequence[Fit], burn_in: float = 0.5, pairs: int = 20)
     """The label-free quantities along the chains, each (chains, draws).
 
     `log_joint` and `used_{x}` come from the traces. If the fits keep their history, `same_{x}_{i}_{j}` tells whether
-    elements i and j of channel x share a category, for a fixed sample of pairs a channel, and `frame_{x}` which share
-    of the words channel x explains.
+    elements i and j of channel x share a category, for a fixed sample of pairs per channel, and `frame_{x}`
+    which share of the words channel x explains.
 
     Args:
-        fits: one a chain.
-        burn_in: share of the iterations left out at the start, 0 to below 1.
-        pairs: pairs a channel; the same ones for the same data.
+        fits: One a chain.
+        burn_in: Share of the iterations left out at the start, 0 to below 1.
+        pairs: Pairs a channel; the same ones for the same data.
 
     Raises:
-        ValueError: no fits, or fits that are not chains of one posterior.
+        ValueError: No fits, or fits that are not chains of one posterior.
     """
     _check(fits, burn_in)
     first = fits[0]
@@ -68,7 +68,7 @@ def chain_quantities(fits: Sequence[Fit], burn_in: float = 0.5, pairs: int = 20)
         return result
     kept = histories[0].iterations > skipped
     for c, channel in enumerate(first.trials.channels):
-        # A generator of its own: the pairs hang on the number of elements only.
+        # A generator of its own: the pairs depend on the number of elements only.
         sample = np.random.default_rng(len(channel.features)).integers(len(channel.features), size=(pairs, 2))
         for i, j in np.unique(np.sort(sample, axis=1), axis=0):
             if i != j:
@@ -108,7 +108,7 @@ def rank_counts(draws: Floats, bins: int = 20) -> NDArray[np.int64]:
 
     Args:
         draws: (chains, draws) of one quantity.
-        bins: bins of equal width.
+        bins: Bins of equal width.
     """
     flat = draws.ravel()
     _, which, counts = np.unique(flat, return_inverse=True, return_counts=True)

@@ -1,4 +1,4 @@
-"""A fit, and fits on disk: one npz file without pickled objects, an array for each symbol of the model.
+"""A fit, and fits on disk: one npz file without pickled objects, one array per symbol of the model.
 
 | array | symbol | shape |
 | --- | --- | --- |
@@ -7,7 +7,7 @@
 | `F` | F, index of a channel for each word; empty without frames | (T,) or (0,) |
 | `trace_log_joint` | log p(X, w, z, F) after each iteration | (iterations,) |
 | `trace_used` | categories in use after each iteration | (iterations, C) |
-| `features_{x}`, `speaker_{x}` | features of the elements, speaking element a trial | (N_x, dim_x), (D,) |
+| `features_{x}`, `speaker_{x}` | features of the elements, speaking element per trial | (N_x, dim_x), (D,) |
 | `z_{x}` | z^x | (N_x,) |
 | `pi_{x}`, `mu_{x}`, `Sigma_{x}` | π^x, μ^x, Σ^x | (K_x,), (K_x, dim_x), (K_x, dim_x, dim_x) |
 | `theta_{x}` | θ^x | (K_x, W) |
@@ -42,7 +42,7 @@ class History:
 
     Attributes:
         iterations: (H,) after which iteration, counted from 1.
-        z: (H, N_x) z^x of each state, one array a channel.
+        z: (H, N_x) z^x of each state, one array per channel.
         F: (H, T), or (H, 0) for a method without frames.
     """
 
@@ -84,15 +84,6 @@ class Fit:
         """What was fitted."""
         return self.problem.trials
 
-    def save(self, path: Path) -> None:
-        """Write to a file, see `save`."""
-        save(self, path)
-
-    @classmethod
-    def load(cls, path: Path) -> Fit:
-        """Read from a file, see `load`."""
-        return load(path)
-
 
 def save(fit: Fit, path: Path) -> None:
     """Write a fit: to a temporary name first, so that no half-written file carries the name.
@@ -120,7 +111,7 @@ def save(fit: Fit, path: Path) -> None:
             f"z_{channel.name}": state.z[c],
             f"pi_{channel.name}": np.exp(state.log_weights[c]),
             f"mu_{channel.name}": state.mean[c],
-            # Not by a library's matrix product, whose last digits hang on its version and threads.
+            # Not by a library's matrix product, whose last digits depend on its version and threads.
             f"Sigma_{channel.name}": np.einsum("kij,klj->kil", state.factor[c], state.factor[c]),
             f"theta_{channel.name}": np.exp(state.log_words[c]),
             f"prior_{channel.name}": np.array(json.dumps(fit.problem.priors[c].model_dump(), sort_keys=True)),
@@ -141,7 +132,7 @@ def load(path: Path) -> Fit:
     """Read a fit.
 
     Raises:
-        ValueError: the file is not a fit, or is damaged; the message names it.
+        ValueError: The file is not a fit, or is damaged; the message names it.
     """
     try:
         with np.load(path, allow_pickle=False) as stored:

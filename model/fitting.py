@@ -44,11 +44,14 @@ def fit(problem: Problem, sampler: Sampler[Any], rng: np.random.Generator, progr
         [1.0, 1.0]
     """
     prepare()
-    seed, done = _seed(rng), 0
-    fits = []
-    for chain_rng in rng.spawn(sampler.chains):
-        fits.append(_run_chain(problem, sampler, chain_rng, seed, _shifted(progress, done, sampler)))
-        done += sampler.iterations
+    seed, total, fits = _seed(rng), sampler.chains * sampler.iterations, []
+    for chain, chain_rng in enumerate(rng.spawn(sampler.chains)):
+
+        def report(sweeps: int, before: int = chain * sampler.iterations) -> None:
+            if progress is not None:
+                progress(before + sweeps, total)
+
+        fits.append(_run_chain(problem, sampler, chain_rng, seed, report))
     return max(fits, key=lambda one: float(one.trace_log_joint[-1]))  # the first of equals
 
 
@@ -90,12 +93,6 @@ def _run_chain(
         progress(i + 1)
     past = History.of(np.array(kept), history) if history else None
     return Fit(problem, sampler, sampler.finish(problem, state), log_joint, used, seed, past)
-
-
-def _shifted(progress: Progress | None, done: int, sampler: Sampler[Any]) -> Callable[[int], None]:
-    """Report the sweeps of a chain, counted from those that were done before it."""
-    total = sampler.chains * sampler.iterations
-    return lambda sweeps: None if progress is None else progress(done + sweeps, total)
 
 
 def _seed(rng: np.random.Generator) -> dict[str, Any] | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -30,10 +29,11 @@ class FrameList(NamedTuple):
 
 
 @dataclass(frozen=True)
-class FramePrior(ABC):
-    """The prior of the frames of all sentences, each allowed frame of a sentence being as probable as any other.
+class FramePrior:
+    """The prior of the frames of all sentences; here any channel explains any word, equation (1).
 
-    Another prior overrides what differs: samplers, joint and tasks ask only here.
+    Each allowed frame of a sentence is as probable as any other. Samplers, joint and tasks take all
+    that they know of frames from here, so that another prior overrides what differs.
 
     Attributes:
         has_frames: Whether the words have an estimated channel, and so an EAR.
@@ -41,44 +41,42 @@ class FramePrior(ABC):
 
     has_frames: ClassVar[bool] = True
 
-    @abstractmethod
     def allowed(self, channels: int, words: int) -> Ints:
-        """Return the frames of N words over C channels, (frames, N)."""
+        """(frames, N) the frames of N words over C channels, here all C^N."""
+        return _as_rows(product(range(channels), repeat=words), words)
 
-    @abstractmethod
     def count(self, channels: int, words: int) -> float:
-        """Return 1/λ, the number of frames of N words over C channels; instructions may be longer than sentences."""
+        """1/λ, the number of frames of N words over C channels; instructions may be longer than `word_limit`."""
+        return float(channels) ** words
 
-    @abstractmethod
+    def word_limit(self, channels: int) -> float:
+        """How many words a sentence of the trials may have."""
+        return math.inf
+
     def joint_words(self, longest: int, most: int) -> int:
-        """Return how many words of a sentence are sampled together, given all others.
+        """How many words of a sentence are sampled together, given all others.
 
         Args:
             longest: Words of the longest sentence.
-            most: What the sampler takes at a time where the prior leaves it the choice.
+            most: What the sampler takes at a time where the prior factorises, so that long frames are never listed.
         """
-
-    def word_limit(self, channels: int) -> float:
-        """Return how many words a sentence of the trials may have."""
-        return math.inf
+        return min(longest, most)
 
     def listed(self, trials: Trials, most: int) -> FrameList:
-        """Return the allowed frames of the words that are sampled together, see `joint_words`."""
+        """The allowed frames of the words that are sampled together, see `joint_words`."""
         return _frame_list(self, len(trials.channels), self.joint_words(max(1, trials.longest_sentence), most))
 
     def draw(self, rng: np.random.Generator, trials: Trials) -> Ints:
         """Draw F (T,) from the prior."""
-        frames = {N: self.allowed(len(trials.channels), N) for N in trials.sentences_by_length}
-        chosen = [frames[N][rng.integers(len(frames[N]))] for N in trials.sentence_lengths if N > 0]
-        return np.concatenate([np.empty(0, dtype=np.int64), *chosen])
+        return rng.integers(len(trials.channels), size=len(trials.word_trial))
 
     def log_probability(self, trials: Trials, F: Ints) -> float:
-        """Return log p(F) of allowed frames (T,), equation (1)."""
+        """Log p(F) of allowed frames (T,)."""
         C = len(trials.channels)
         return -sum(n * float(np.log(self.count(C, N))) for N, n in trials.sentences_by_length.items())
 
     def explained(self, trials: Trials, F: Ints, c: int) -> Flags:
-        """Return (T,) whether channel c explains each word."""
+        """(T,) whether channel c explains each word."""
         return np.asarray(F == c)
 
     def log_scores(self, action: Floats, objects: Sequence[Floats], W: int) -> Floats:
@@ -104,11 +102,11 @@ class FramePrior(ABC):
         return np.asarray(scores - np.log(self.count(channels, words)))
 
     def _log_unexplained(self, sizes: Ints, channels: int, W: int) -> Floats:
-        """Return (2^N,) the log probability of each subset of the words if no channel explains it."""
+        """(2^N,) the log probability of each subset of the words if no channel explains it."""
         return np.where(sizes == 0, 0.0, -np.inf)
 
     def _within_limit(self, sets: Floats, sizes: Ints) -> Floats:
-        """Return the sets (rows, 2^N) with −inf for those that are too large for one channel."""
+        """The sets (rows, 2^N) with −inf for those that are too large for one channel."""
         return sets
 
 
@@ -116,20 +114,26 @@ class Distinct(FramePrior):
     """Each channel explains at most one word (MEC-I and II): F_d is an ordered choice of channels."""
 
     def allowed(self, channels: int, words: int) -> Ints:
-        """Return the C!/(C − N)! frames in which no channel occurs twice."""
+        """(C!/(C − N)!, N) the frames in which no channel occurs twice."""
         return _as_rows(permutations(range(channels), words), words)
 
     def count(self, channels: int, words: int) -> float:
-        """Return how many ways there are to pair words and channels until one of the two is used up."""
+        """How many ways there are to pair words and channels until one of the two is used up."""
         return float(math.perm(max(channels, words), min(channels, words)))
 
+    def word_limit(self, channels: int) -> float:
+        """One word per channel."""
+        return channels
+
     def joint_words(self, longest: int, most: int) -> int:
-        """Return the whole sentence: its words exclude each other's channels."""
+        """The whole sentence, since its words exclude each other's channels."""
         return longest
 
-    def word_limit(self, channels: int) -> float:
-        """Return one word per channel."""
-        return channels
+    def draw(self, rng: np.random.Generator, trials: Trials) -> Ints:
+        """Draw F (T,), sentence by sentence."""
+        frames = {N: self.allowed(len(trials.channels), N) for N in trials.sentences_by_length}
+        chosen = [frames[N][rng.integers(len(frames[N]))] for N in trials.sentence_lengths if N > 0]
+        return np.concatenate([np.empty(0, dtype=np.int64), *chosen])
 
     def _log_unexplained(self, sizes: Ints, channels: int, W: int) -> Floats:
         # Words beyond one per channel are explained by none, and have probability 1/W each.
@@ -140,53 +144,25 @@ class Distinct(FramePrior):
         return np.where(sizes <= 1, sets, -np.inf)
 
 
-class Independent(FramePrior):
-    """Any channel explains any word."""
-
-    def allowed(self, channels: int, words: int) -> Ints:
-        """Return all C^N frames."""
-        return _as_rows(product(range(channels), repeat=words), words)
-
-    def count(self, channels: int, words: int) -> float:
-        """Return C^N."""
-        return float(channels) ** words
-
-    def joint_words(self, longest: int, most: int) -> int:
-        """Return what the sampler chooses: the prior factorises, so that long sentences are never listed."""
-        return min(longest, most)
-
-    def draw(self, rng: np.random.Generator, trials: Trials) -> Ints:
-        """Draw F (T,), word by word."""
-        return rng.integers(len(trials.channels), size=len(trials.word_trial))
-
-
 class Every(FramePrior):
     """There is no F_d: each channel explains the whole sentence."""
 
     has_frames = False
 
-    def allowed(self, channels: int, words: int) -> Ints:
-        """Return no frame."""
-        return np.empty((0, words), dtype=np.int64)
-
     def count(self, channels: int, words: int) -> float:
-        """Return 1."""
+        """One way, in which there is nothing to choose."""
         return 1.0
 
-    def joint_words(self, longest: int, most: int) -> int:
-        """Return any number: nothing is sampled."""
-        return min(longest, most)
-
     def draw(self, rng: np.random.Generator, trials: Trials) -> Ints:
-        """Return an empty F."""
+        """An empty F."""
         return np.empty(0, dtype=np.int64)
 
     def explained(self, trials: Trials, F: Ints, c: int) -> Flags:
-        """Return (T,) that channel c explains each word."""
+        """(T,) true."""
         return np.ones(len(trials.word_trial), dtype=np.bool_)
 
     def log_scores(self, action: Floats, objects: Sequence[Floats], W: int) -> Floats:
-        """Return (M, K) the log probability of all words under every channel."""
+        """(M, K) the log probability of all words under every channel."""
         everything = sum((sets[:, -1] for sets in objects), np.zeros(len(objects[0])))
         return np.asarray(everything[:, None] + action[:, -1])
 

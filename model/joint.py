@@ -16,7 +16,7 @@ from model.distributions.dirichlet import (
 )
 from model.distributions.gaussian_densities import gaussian_log_density, gaussian_log_marginal, giw_log_density
 from model.distributions.gaussians import draw_posterior_gaussians, gaussian_posterior
-from model.kernels.words import draw_words, word_counts, word_log_weights
+from model.kernels.words import word_counts, word_log_weights
 from model.prior import GaussianPrior
 from model.problem import Problem
 from model.state import Partition, State
@@ -75,7 +75,7 @@ def draw_parameters(rng: np.random.Generator, problem: Problem) -> State:
         drawn_mean, drawn_factor = draw_posterior_gaussians(rng, *nothing, K, 1, problem.gaussians[c])
         mean.append(drawn_mean)
         factor.append(drawn_factor)
-        log_words.append(draw_words(rng, np.full((K, len(design.vocabulary)), prior.word_concentration)))
+        log_words.append(draw_log_dirichlet(rng, np.full((K, len(design.vocabulary)), prior.word_concentration), 1))
     F = problem.frame_prior.draw(rng, design)
     return State(tuple(z), F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
 

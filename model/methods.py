@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from model.frames import Distinct, Every, FramePrior, Independent
+from model.frames import Distinct, Every, FramePrior
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ METHODS: dict[str, Method] = {
     method.name: method
     for method in (
         Method("proposed", "(A) proposed", Distinct()),
-        Method("no_mec2", "(B) w/o MEC-II", Independent()),
+        Method("no_mec2", "(B) w/o MEC-II", FramePrior()),
         Method("mmlda", "(C) mMLDA", Every()),
         # The paper's reference ALL.
         Method("gmm", "ALL", Every(), hears_words=False),

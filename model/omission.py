@@ -13,8 +13,8 @@ def kept_words(rng: np.random.Generator, words: int, rate: float) -> NDArray[np.
     rate drops a superset.
 
     Args:
-        rng: generator named after the dataset and the seed, not after method or rate.
-        words: number of words of all trials.
+        rng: Generator named after the dataset and the seed, not after method or rate.
+        words: Number of words of all trials.
         rate: ROW in per cent, 0 to 100.
     """
     if not 0 <= rate <= 100:

@@ -21,7 +21,7 @@ class Answer:
 
     Attributes:
         log_scores: (M, K_a) log p(words, A = m, z^a = k | objects): which object, and which action category.
-        ignored: words of the instruction that training never saw; they were left out.
+        ignored: Words of the instruction that training never saw; they were left out.
     """
 
     log_scores: Floats
@@ -54,12 +54,12 @@ def understand(fit: Fit, objects: Mapping[str, Floats], words: Sequence[str]) ->
     channel x, G_a(S) = ∏ θ^a_{k,w}, and G_x(S) = Σ_j r_j ∏ θ^x_{j,w} for the features of object m.
 
     Args:
-        fit: what was learned.
-        objects: for each object channel the features (M, dim) of the objects on the table.
-        words: the instruction: any number of words up to `LONGEST_INSTRUCTION`, none included.
+        fit: What was learned.
+        objects: For each object channel the features (M, dim) of the objects on the table.
+        words: The instruction: any number of words up to `LONGEST_INSTRUCTION`, none included.
 
     Raises:
-        ValueError: the instruction is too long, or there is no object.
+        ValueError: The instruction is too long, or there is no object.
     """
     M = len(next(iter(objects.values())))
     if M == 0:
@@ -78,12 +78,12 @@ def describe(fit: Fit, channel: str, features: Floats) -> tuple[str, ...]:
     """The word that a channel most probably utters for each of N elements: argmax_w Σ_j r_j θ_{j,w}.
 
     Args:
-        fit: what was learned.
-        channel: action, or one of the object channels.
+        fit: What was learned.
+        channel: Action, or one of the object channels.
         features: (N, dim), scaled like the training features.
 
     Raises:
-        ValueError: training had no word.
+        ValueError: Training had no word.
     """
     if not fit.trials.vocabulary:
         raise ValueError("a description needs words, but training had none")

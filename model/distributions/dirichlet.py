@@ -30,9 +30,9 @@ def draw_log_dirichlet(rng: np.random.Generator, concentration: Floats, averaged
     Gamma(a) = Gamma(a + 1) · U^(1/a).
 
     Args:
-        rng: the fit's generator.
-        concentration: positive, (rows, size).
-        averaged_draws: the result is the log of the mean of so many draws (docs/model.md, The two samplers).
+        rng: The fit's generator.
+        concentration: Positive, (rows, size).
+        averaged_draws: The result is the log of the mean of this many draws (docs/model.md, The samplers).
     """
     rows, size = concentration.shape
     result = np.empty((rows, size))
@@ -91,7 +91,7 @@ def draw_index(rng: np.random.Generator, log_weights: Floats) -> int:
 
 @compiled
 def draw_categorical(rng: np.random.Generator, log_weights: Floats) -> Ints:
-    """One index a row of (N, K) unnormalised log weights."""
+    """One index per row of (N, K) unnormalised log weights."""
     result = np.empty(len(log_weights), dtype=np.int64)
     for i in range(len(log_weights)):
         result[i] = draw_index(rng, log_weights[i])
@@ -100,7 +100,7 @@ def draw_categorical(rng: np.random.Generator, log_weights: Floats) -> Ints:
 
 @compiled
 def count_log_marginal(counts: Floats, concentration: float) -> float:
-    """Log probability of draws counted in (rows, size), a symmetric Dirichlet a row integrated out."""
+    """Log probability of draws counted in (rows, size), one symmetric Dirichlet per row integrated out."""
     rows, size = counts.shape
     total = 0.0
     for r in range(rows):

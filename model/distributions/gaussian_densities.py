@@ -14,7 +14,7 @@ from model.prior import GaussianPrior
 
 _LOG_2 = math.log(2.0)
 _LOG_PI = math.log(math.pi)
-# Elements are handled in blocks of so many, whose intermediate results stay in the innermost cache.
+# Elements are handled in blocks of this size, whose intermediate results stay in the innermost cache.
 _BLOCK = 64
 
 

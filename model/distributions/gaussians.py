@@ -111,10 +111,10 @@ def draw_gaussians(
     for i = 0..dim−1 and standard normal below the diagonal, Σ = C Cᵀ with C = L R⁻¹ ~ IW(V, ν).
 
     Args:
-        rng: the fit's generator.
-        posterior: the K distributions.
-        averaged_draws: μ is the mean of so many draws given Σ. Above 1 this is not Gibbs sampling
-            any more (docs/model.md, The two samplers).
+        rng: The fit's generator.
+        posterior: The K distributions.
+        averaged_draws: μ is the mean of this many draws given Σ. Above 1 this is not Gibbs sampling
+            any more (docs/model.md, The samplers).
     """
     K, dim = posterior.mean.shape
     mean, factor = np.empty((K, dim)), np.zeros((K, dim, dim))

@@ -47,7 +47,7 @@ def remove_point(posterior: GaussianInverseWishart, k: int, point: Floats) -> bo
     """Take a point (dim,) out of category k.
 
     Returns:
-        False if the category is to be computed anew: it is empty, and the prior again, or too many digits cancelled.
+        False if the category must be recomputed: it is empty, so the prior again, or too many digits cancelled.
     """
     before = posterior.mean_precision[k]
     change_count(posterior, k, -1.0)

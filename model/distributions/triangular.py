@@ -58,7 +58,7 @@ def downdate(upper: Floats, vector: Floats) -> bool:
     """Change U to the factor of V − v vᵀ (rank one, O(dim²)); v (dim,) is used up.
 
     Returns:
-        False if too many digits would cancel. U is then of no use, and is to be computed anew.
+        False if too many digits would cancel. U is then of no use, and must be recomputed.
     """
     dim = len(upper)
     for j in range(dim):

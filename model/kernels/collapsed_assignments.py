@@ -36,7 +36,7 @@ class Elements(NamedTuple):
         order: (T,) the words in the order of the elements that utter them.
         bounds: (N + 1,) the words of element i are order[bounds[i]] to order[bounds[i + 1] − 1].
         explained: (T,) whether the channel explains each word.
-        gaussian: prior of the Gaussians.
+        gaussian: Prior of the Gaussians.
         weight: α/K.
         gamma: γ.
     """
@@ -55,7 +55,7 @@ class Statistics(NamedTuple):
     """What the categories of one channel know.
 
     Attributes:
-        posterior: posterior of the Gaussians.
+        posterior: Posterior of the Gaussians.
         constant: (K,) log of the constant of each predictive Student distribution.
         words: (K, W) how often each category was the reason of each word.
         word_totals: (K,) sums of `words` over the vocabulary.
@@ -73,12 +73,18 @@ def sweep_assignments(
     rng: np.random.Generator, problem: Problem, c: int, z: Ints, F: Ints, temperature: float
 ) -> Ints:
     """Draw z of channel c, one element after the other; `temperature` (1 for the posterior) divides log weights."""
-    return _sweep_copy(rng, elements_of(problem, c, F), word_counts(problem, c, z, F), z, temperature)
+    return _swept_assignments(rng, elements_of(problem, c, F), word_counts(problem, c, z, F), z, temperature)
 
 
 def element_log_weights(problem: Problem, c: int, z: Ints, F: Ints, i: int) -> Floats:
     """(K,) unnormalised log p(z_i = k | …) of element i of channel c, which `sweep_assignments` draws from."""
-    return _element_log_weights(elements_of(problem, c, F), word_counts(problem, c, z, F), z, i)
+    elements = elements_of(problem, c, F)
+    statistics = channel_statistics(elements, word_counts(problem, c, z, F), z)
+    z, old, own_words = z.copy(), z[i], words_of_element(elements, i)
+    z[i] = -1
+    remove_element(elements, statistics, z, i, old)
+    count_words(statistics, old, own_words, -1.0)
+    return category_log_weights(elements, statistics, i, own_words, np.empty(elements.features.shape[1]))
 
 
 def elements_of(problem: Problem, c: int, F: Ints) -> Elements:
@@ -96,21 +102,13 @@ def elements_of(problem: Problem, c: int, F: Ints) -> Elements:
 
 
 @compiled
-def _sweep_copy(rng: np.random.Generator, elements: Elements, counts: Floats, z: Ints, temperature: float) -> Ints:
+def _swept_assignments(
+    rng: np.random.Generator, elements: Elements, counts: Floats, z: Ints, temperature: float
+) -> Ints:
     """Draw z (N,) from categories z and their word counts (K, W), see `sweep`."""
     statistics, z = channel_statistics(elements, counts, z), z.copy()
     sweep(rng, elements, statistics, z, temperature)
     return z
-
-
-@compiled
-def _element_log_weights(elements: Elements, counts: Floats, z: Ints, i: int) -> Floats:
-    """`category_log_weights` (K,) of element i within a state."""
-    statistics, z, own_words = channel_statistics(elements, counts, z), z.copy(), words_of_element(elements, i)
-    old, z[i] = z[i], -1
-    remove_element(elements, statistics, z, i, old)
-    count_words(statistics, old, own_words, -1.0)
-    return category_log_weights(elements, statistics, i, own_words, np.empty(elements.features.shape[1]))
 
 
 @compiled
@@ -159,10 +157,10 @@ def category_log_weights(
     """(K,) unnormalised log p(z_i = k | …) of element i, from statistics without it.
 
     Args:
-        elements: the channel.
-        statistics: of all elements but i, and all words but its own.
-        i: the element.
-        own_words: the words that point at the element; counts grow from one to the next.
+        elements: The channel.
+        statistics: Of all elements but i, and all words but its own.
+        i: The element.
+        own_words: The words that point at the element; counts grow from one to the next.
         offset: (dim,) working space.
     """
     posterior = statistics.posterior

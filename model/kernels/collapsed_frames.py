@@ -15,7 +15,7 @@ from model.frames import FrameList
 from model.kernels.words import word_counts
 from model.problem import Problem
 
-# Sentences of a method whose frames factorise are drawn in parts of at most so many words.
+# Sentences of a method whose frames factorise are drawn in parts of at most this many words.
 MOST_JOINT_WORDS = 4
 
 
@@ -40,7 +40,7 @@ def sweep_frames(rng: np.random.Generator, problem: Problem, z: Sequence[Ints], 
     if len(F) == 0:
         return F
     trials, allowed = problem.trials, problem.frame_prior.listed(problem.trials, MOST_JOINT_WORDS)
-    return _sweep_copy(
+    return _swept_frames(
         rng, F, temperature, trials.words[0], trials.sentence_bounds, word_table(problem, z, F), allowed
     )
 
@@ -48,7 +48,9 @@ def sweep_frames(rng: np.random.Generator, problem: Problem, z: Sequence[Ints], 
 def part_log_weights(problem: Problem, z: Sequence[Ints], F: Ints, start: int, length: int) -> Floats:
     """(frames,) unnormalised log p(F = f | …) for the words start to start + length − 1, as `sweep_frames` draws."""
     allowed = problem.frame_prior.listed(problem.trials, MOST_JOINT_WORDS)
-    return _part_log_weights(F, start, length, problem.trials.words[0], word_table(problem, z, F), allowed)
+    words, table = problem.trials.words[0], word_table(problem, z, F)
+    count_part(table, words, F, start, length, -1.0)
+    return grown_log_weights(table, words, start, length, allowed)
 
 
 def word_table(problem: Problem, z: Sequence[Ints], F: Ints) -> WordTable:
@@ -64,7 +66,7 @@ def word_table(problem: Problem, z: Sequence[Ints], F: Ints) -> WordTable:
 
 
 @compiled
-def _sweep_copy(
+def _swept_frames(
     rng: np.random.Generator,
     F: Ints,
     temperature: float,
@@ -101,24 +103,17 @@ def _sweep_copy(
 
 
 @compiled
-def _part_log_weights(F: Ints, start: int, length: int, words: Ints, table: WordTable, allowed: FrameList) -> Floats:
-    """`grown_log_weights` of `length` words within a state; arguments as in `_sweep_copy`."""
-    count_part(table, words, F, start, length, -1.0)
-    return grown_log_weights(table, words, start, length, allowed)
-
-
-@compiled
 def grown_log_weights(table: WordTable, words: Ints, start: int, length: int, allowed: FrameList) -> Floats:
     """(frames,) unnormalised log probability of each frame of the words start to start + length − 1.
 
     The counts grow within a frame, where two of its words share a category.
 
     Args:
-        table: counts without these words.
+        table: Counts without these words.
         words: (T,) all words.
-        start: the first of these words.
-        length: how many they are, at most the longest that is allowed.
-        allowed: the frames.
+        start: The first of these words.
+        length: How many they are, at most the longest that is allowed.
+        allowed: The frames.
     """
     C, W = len(table.row), table.counts.shape[1]
     # Log numerator of word n in channel c after `more` equal words there, log denominator after `more` words.

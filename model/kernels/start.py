@@ -1,4 +1,4 @@
-"""Where chains start (docs/model.md, The two samplers)."""
+"""Where chains start (docs/model.md, The samplers)."""
 
 from __future__ import annotations
 

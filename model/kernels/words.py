@@ -6,7 +6,6 @@ import numpy as np
 
 from model.compiled import compiled
 from model.data import Flags, Floats, Ints
-from model.distributions.dirichlet import dirichlet_log_density, draw_log_dirichlet
 from model.problem import Problem
 
 
@@ -30,16 +29,6 @@ def _count_words(shape: tuple[int, int], words: Ints, speaker: Ints, explained: 
 def word_concentration(problem: Problem, c: int, z: Ints, F: Ints) -> Floats:
     """(K, W) parameters of θ_k | z, F ~ Dir(γ + n_{k,1}, …, γ + n_{k,W})."""
     return problem.priors[c].word_concentration + word_counts(problem, c, z, F)
-
-
-def draw_words(rng: np.random.Generator, concentration: Floats, averaged_draws: int = 1) -> Floats:
-    """Draw log θ (K, W); the log of the mean of several draws where `averaged_draws` is above 1."""
-    return draw_log_dirichlet(rng, concentration, averaged_draws)
-
-
-def words_log_density(concentration: Floats, log_words: Floats) -> float:
-    """Log density of θ of a channel given its `word_concentration`."""
-    return dirichlet_log_density(log_words, concentration)
 
 
 def word_log_weights(problem: Problem, z: tuple[Ints, ...], log_words: tuple[Floats, ...]) -> Floats:

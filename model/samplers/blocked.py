@@ -38,8 +38,8 @@ class Blocked(Sampler[State]):
 
     def init(self, rng: np.random.Generator, problem: Problem) -> State:
         """Return a state with F at random, μ at k-means centres, Σ a multiple of I, π and θ from their priors."""
+        from model.distributions.dirichlet import draw_log_dirichlet
         from model.kernels.start import k_means, stick_breaking
-        from model.kernels.words import draw_words
 
         W = len(problem.trials.vocabulary)
         z, log_weights, mean, factor, log_words = [], [], [], [], []
@@ -50,7 +50,7 @@ class Blocked(Sampler[State]):
             log_weights.append(stick_breaking(rng, prior.concentration, K))
             mean.append(centres)
             factor.append(np.tile(np.sqrt(self.start_scale) * np.eye(channel.dim), (K, 1, 1)))
-            log_words.append(draw_words(rng, np.full((K, W), prior.word_concentration)))
+            log_words.append(draw_log_dirichlet(rng, np.full((K, W), prior.word_concentration), 1))
         F = problem.frame_prior.draw(rng, problem.trials)
         return State(tuple(z), F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
 
@@ -60,7 +60,7 @@ class Blocked(Sampler[State]):
         Given z, F and θ the channels are independent, so that it makes no difference that the three
         updates of one channel are done before the next channel's.
         """
-        from model.distributions.dirichlet import draw_categorical
+        from model.distributions.dirichlet import draw_categorical, draw_log_dirichlet
         from model.kernels import conditionals as given
         from model.kernels import words
 
@@ -75,7 +75,7 @@ class Blocked(Sampler[State]):
         log_words = []
         for c in range(len(z)):
             concentration = words.word_concentration(problem, c, z[c], F)
-            log_words.append(words.draw_words(rng, concentration, self.averaged_draws))
+            log_words.append(draw_log_dirichlet(rng, concentration, self.averaged_draws))
         return State(tuple(z), F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
 
     def finish(self, problem: Problem, state: State) -> State:

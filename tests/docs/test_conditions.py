@@ -10,7 +10,7 @@ import pytest
 
 from model import Prior
 from tests.docs.conditions import PAGE, Example, examples, in_words, patched, planned, prepare
-from tests.workflow.runs import jobs
+from tests.workflow.runs import forget, jobs
 from workflow.plan.variants import HYPERPARAMETERS
 
 EXAMPLES = list(examples())
@@ -40,8 +40,10 @@ def test_an_example_runs_what_the_page_says(
     in_repository(sys.executable, "-m", "workflow", "check", "--config", "config/changed.yaml")
     assert in_words(planned(in_repository(*RUN, "--", "--dry-run"))) == example.jobs
     if example.name in REAL:
+        forget(repository / "results")
         in_repository(*RUN)
         assert in_words(jobs(repository / "results")) == example.jobs
+        forget(repository / "results")
         in_repository(*RUN)
         assert jobs(repository / "results") == {}
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from model import Prior, Problem, State, Trials
+from model.distributions.dirichlet import dirichlet_log_density, draw_log_dirichlet
 from model.joint import draw_parameters, log_joint, log_marginal_joint
 from model.kernels import collapsed_frames, words
 from model.kernels import conditionals as given
@@ -84,8 +85,8 @@ def test_frames(case: Case) -> None:
 def test_words(case: Case, c: int) -> None:
     problem, state, rng = case
     concentration = words.word_concentration(problem, c, state.z[c], state.F)
-    change = with_channel(state, "log_words", c, words.draw_words(rng, concentration))
-    assert_ratio(case, change, lambda s: words.words_log_density(concentration, s.log_words[c]))
+    change = with_channel(state, "log_words", c, draw_log_dirichlet(rng, concentration, 1))
+    assert_ratio(case, change, lambda s: dirichlet_log_density(s.log_words[c], concentration))
 
 
 @pytest.mark.parametrize("c", range(3))
@@ -160,5 +161,5 @@ def test_marginal_joint_is_joint_over_conditionals(case: Case) -> None:
         concentration = words.word_concentration(problem, c, state.z[c], state.F)
         total -= given.weights_log_density(prior, state.z[c], state.log_weights[c])
         total -= given.categories_log_density(problem, c, state.z[c], state.mean[c], state.factor[c])
-        total -= words.words_log_density(concentration, state.log_words[c])
+        total -= dirichlet_log_density(state.log_words[c], concentration)
     assert log_marginal_joint(problem, state) == pytest.approx(total, rel=1e-9, abs=1e-8)

@@ -33,8 +33,8 @@ def command(config: Path, out: Path, *more: str, cache: Path | None = None) -> l
     return [*base, *("--cache", str(cache or f"{out}.cache")), *(["--", *more] if more else [])]
 
 
-def _forget(out: Path) -> None:
-    """Remove Snakemake's logs of earlier runs."""
+def forget(out: Path) -> None:
+    """Remove Snakemake's logs of earlier runs, so that `jobs` counts those of the next one."""
     shutil.rmtree(out / ".snakemake" / "log", ignore_errors=True)
 
 
@@ -43,7 +43,7 @@ def run(
 ) -> str:
     """Run a study, of the clone at `root`, and return what it printed."""
     line = command(config, out, *more, cache=cache)
-    _forget(out)
+    forget(out)
     done = subprocess.run(line, cwd=root, capture_output=True, text=True, check=False)
     printed = done.stdout + done.stderr
     assert (done.returncode == 0) is succeeds, printed
@@ -60,7 +60,7 @@ def start(
 ) -> subprocess.Popen[str]:
     """Start a study, of the clone at `root`, in a process group of its own."""
     line = command(config, out, *more, cache=cache)
-    _forget(out)
+    forget(out)
     return subprocess.Popen(
         line, cwd=root, stdout=output, stderr=subprocess.STDOUT, text=True, start_new_session=True
     )
@@ -76,7 +76,7 @@ def wait_until(true: Callable[[], bool], process: subprocess.Popen[str], patienc
 
 
 def jobs(out: Path) -> Counter[str]:
-    """How many jobs of each rule finished in the last run in a folder, by Snakemake's own log."""
+    """How many jobs of each rule finished in a folder since `forget`, by Snakemake's own logs."""
     texts = [log.read_text(encoding="utf-8") for log in (out / ".snakemake" / "log").glob("*")]
     return Counter(re.findall(r"Finished jobid: \d+ \(Rule: (\w+)\)", "".join(texts)))
 
