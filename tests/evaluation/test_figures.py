@@ -16,7 +16,7 @@ from evaluation.figures.drawing import PAGE_WIDTH, coarse, picture, save_figure
 from evaluation.figures.fit import position_categories, word_distributions
 from evaluation.figures.generation import generated_actions, in_words
 from evaluation.figures.source import by_log_joint, title
-from model import Fit
+from model import Fit, save
 from tests.synthetic import WORDS
 
 
@@ -126,7 +126,7 @@ def test_the_most_probable_fit_is_shown(proposed: Fit, out: Path) -> None:
         trace = proposed.trace_log_joint.copy()
         trace[-1] = last
         paths.append(out / f"{i}.npz")
-        replace(proposed, trace_log_joint=trace).save(paths[-1])
+        save(replace(proposed, trace_log_joint=trace), paths[-1])
     assert [place for place, _ in by_log_joint(paths)] == [1, 3, 2, 0]
     shown = title({"experiment": "own", "variant": "few", "method": "mmlda", "D": 20, "ROW": 9}, proposed, 1, 4)
     assert "own, (C) mMLDA, D = 20, ROW 9 %, K = 10," in shown

@@ -23,7 +23,7 @@ def test_a_method_is_a_row(tmp_path: Path) -> None:
     text, last = table.read_text(encoding="utf-8"), "    )\n}\n"
     assert text.count(last) == 1
     table.write_text(
-        text.replace(last, f'        Method("free", "(F) free", Independent()),\n{last}'), encoding="utf-8"
+        text.replace(last, f'        Method("free", "(F) free", FramePrior()),\n{last}'), encoding="utf-8"
     )
     files = {"trials": "trials.parquet", "objects": "objects.parquet"}
     own = {"features": files | {"description": files}, "methods": ["free", "no_mec2"], "seeds": 1, "ROW": [0]}
