@@ -13,7 +13,7 @@ class GaussianPrior(NamedTuple):
     """The prior GIW(m0, κ0, V0, ν0) of a channel's Gaussians as numbers, V0 = scale · I.
 
     Attributes:
-        mean: M0, the same in every dimension.
+        mean: m0, the same in every dimension.
         mean_precision: κ0.
         scale: V0 = scale · I.
         degrees_of_freedom: ν0.

@@ -123,7 +123,7 @@ def test_temperature_falls_linearly_over_the_first_half() -> None:
 
 def test_hot_chains_are_indifferent(trials: Trials, priors: tuple[Prior, ...]) -> None:
     """At a temperature without limit each category is as probable as any other."""
-    problem, hot = Problem.of(trials, "proposed", priors), Collapsed(temperature=1e9)
+    problem, hot = Problem.of(trials, "proposed", priors), Collapsed(temperature=1e6)
     rng, state = np.random.default_rng(1), hot.init(np.random.default_rng(0), problem)
     shares = np.zeros(4)
     for _ in range(500):
