@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from evaluation.templates import render, simple_page
+
 
 @dataclass(frozen=True)
 class Grid:
@@ -61,11 +63,6 @@ def files(sheet: Sheet) -> dict[str, str]:
     }
 
 
-def simple_page(title: str, body: str) -> str:
-    """A page that needs no other file: its title as plain text, its body as HTML."""
-    return _PAGE.format(title=html.escape(title), style=STYLE, body=body)
-
-
 def markdown(grid: Grid) -> str:
     """A table with its caption in Markdown."""
     escaped = Grid(grid.caption, grid.cells.astype(str).map(lambda text: text.translate(_MARKDOWN)), grid.bold)
@@ -90,21 +87,11 @@ def fragment(grid: Grid, prefix: str = "", captioned: bool = True) -> str:
         prefix: What the ids of cells begin with.
         captioned: Whether the caption is shown.
     """
-    escaped = Grid(grid.caption, grid.cells.astype(str).map(html.escape), grid.bold)
-    cells = _marked(escaped, "<b>", "</b>")
-    head = "".join(f"<th>{html.escape(str(column))}</th>" for column in cells.columns)
-    names = grid.names if grid.names is not None else pd.DataFrame(index=cells.index)
-    ids = [[names[column].iloc[row] if column in names else None for column in cells] for row in range(len(cells))]
-    rows = [
-        "".join(
-            f'<td id="{html.escape(prefix + name)}">{text}</td>' if name else f"<td>{text}</td>"
-            for name, text in zip(row_ids, row, strict=True)
-        )
-        for row_ids, row in zip(ids, cells.itertuples(index=False), strict=True)
-    ]
-    body = "\n".join(f"<tr>{row}</tr>" for row in rows)
-    caption = f"<caption>{html.escape(grid.caption)}</caption>\n" if captioned else ""
-    return f"<table>\n{caption}<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>\n</table>"
+    columns, nothing = grid.cells.columns, pd.DataFrame(index=grid.cells.index)
+    marks = [(nothing if frame is None else frame).reindex(columns=columns) for frame in (grid.bold, grid.names)]
+    rows = zip(*(frame.itertuples(index=False, name=None) for frame in (grid.cells.astype(str), *marks)), strict=True)
+    cells = [list(zip(*row, strict=True)) for row in rows]
+    return render("table.html", grid=grid, rows=cells, prefix=prefix, captioned=captioned)
 
 
 def _marked(grid: Grid, before: str, after: str) -> pd.DataFrame:
@@ -133,23 +120,3 @@ _LATEX = str.maketrans(
         "–": "--",
     }
 )
-
-STYLE = """body { font: 15px/1.5 system-ui, sans-serif; margin: 2em; color: #222; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: 1.5em 0; }
-caption { text-align: left; font-weight: 600; padding: .4em 0; }
-th, td { padding: .25em .9em; text-align: left; border-bottom: 1px solid #ddd; vertical-align: top; }
-thead th { border-top: 2px solid #222; border-bottom: 1px solid #222; }
-tbody tr:last-child td { border-bottom: 2px solid #222; }
-img { max-width: 100%; display: block; }
-td:target { background: #ffe9a8; }
-p { max-width: 60em; }"""
-
-_PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>{title}</title>
-<style>
-{style}
-</style></head>
-<body><h1>{title}</h1>
-{body}
-</body></html>
-"""

@@ -15,7 +15,7 @@ import pandas as pd
 from data_collection.files import replacing
 from evaluation.figures.chains import chains_figure
 from evaluation.scores import write_csv
-from evaluation.table_forms import simple_page
+from evaluation.templates import simple_page
 from model import METHODS, Fit
 from model.data import Floats
 from model.diagnostics import chain_quantities, diagnose

@@ -94,6 +94,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     ),
     "evaluation/pages": (
         "evaluation.pages",
+        "evaluation.templates",
         "evaluation.claims",
         "evaluation.figures",
         "evaluation.catalogue",

@@ -36,6 +36,18 @@ def test_of_the_workflow_each_digest_holds_the_script_alone() -> None:
         ]
 
 
+def test_a_changed_template_changes_the_scripts_that_use_templates(monkeypatch: pytest.MonkeyPatch) -> None:
+    scripts = ("report.py", "tables.py", "fit.py", "evaluate_learning.py")
+    before = {script: rule_code(SCRIPTS / script) for script in scripts}
+    read = Path.read_bytes
+    monkeypatch.setattr(Path, "read_bytes", lambda path: read(path) + b" " * (path.name == "table.html"))
+    provenance.code_hash.cache_clear()
+    changed = [script for script in scripts if rule_code(SCRIPTS / script) != before[script]]
+    monkeypatch.undo()
+    provenance.code_hash.cache_clear()
+    assert changed == ["report.py", "tables.py"]
+
+
 READERS = ("__doc__", "getdoc", "getsource", "get_docstring", "use_attribute_docstrings")
 
 

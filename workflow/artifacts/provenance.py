@@ -22,7 +22,8 @@ Raise it when a change to the machinery alters the bytes of artifacts or records
 def code_hash(script: Path, *modules: str) -> str:
     """sha256 of a script and every project module that it imports, directly or not; computed once per process.
 
-    Modules are found by reading the import statements. Their syntax trees are hashed, without docstrings.
+    Modules are found by reading the import statements. Their syntax trees are hashed, without docstrings, and so are
+    other files in their folders, such as templates.
 
     Args:
         script: The script.
@@ -41,8 +42,12 @@ def code_is_unchanged(script: Path, *modules: str) -> bool:
 
 def _digest(script: Path, *modules: str) -> str:
     digest = hashlib.sha256(f"format {FORMAT}\0".encode())
-    for path in sorted(imported_files(script, *(ROOT / module for module in modules))):
-        digest.update(f"{path.relative_to(ROOT).as_posix()}\0{_parsed(path.read_bytes())[0]}\0".encode())
+    files = imported_files(script, *(ROOT / module for module in modules))
+    data = {each for folder in {path.parent for path in files} for each in folder.iterdir() if each.is_file()}
+    for path in sorted(files | {each for each in data if each.suffix not in (".py", ".pyc")}):
+        is_module = path.suffix == ".py"
+        content = _parsed(path.read_bytes())[0] if is_module else hashlib.sha256(path.read_bytes()).hexdigest()
+        digest.update(f"{path.relative_to(ROOT).as_posix()}\0{content}\0".encode())
     return digest.hexdigest()
 
 
