@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import combinations
+from itertools import combinations, product, starmap
+from typing import Any
 
 from evaluation.claims.judging import Cell, Comparison, Sum
 from evaluation.scores import LETTERS
@@ -74,26 +75,29 @@ def _confusions(pair: tuple[str, str]) -> Sum:
     return Sum(tuple(terms), name=f"{confused(*pair)} (A, D 20 and 40, ROW 0 and 40)")
 
 
-def _real_ari() -> Iterator[Comparison]:
-    for D in (25, 40):
-        for ROW in (0, 9, 20, 40):
-            for measure in ARI:
-                for other in (B, C):
-                    yield Comparison(_real(D, ROW, A, measure), "within ±", _real(D, ROW, other, measure), 0.1)
+def _all(comparison: Callable[..., Comparison], *axes: Iterable[Any]) -> tuple[Comparison, ...]:
+    """The comparison for each combination of values."""
+    return tuple(starmap(comparison, product(*axes)))
+
+
+def _methods(cell: Callable[..., Sum], sign: str, bound: float = 0.0) -> Callable[..., Comparison]:
+    """A compared with another method, by D, ROW, measure and that method."""
+    return lambda D, ROW, measure, other: Comparison(
+        cell(D, ROW, A, measure), sign, cell(D, ROW, other, measure), bound
+    )
 
 
 PAIR, *OTHER_PAIRS = combinations(ACTION_WORDS, 2)
+LEARNED = ("EAR", "ARI_p", "F1", "ACC")
+Ds, ROWs = (20, 40), (0, 20, 40, 60)
+REAL_Ds, REAL_ROWs = (25, 40), (0, 9, 20, 40)
 
 CLAIMS = (
     Claim(
         1,
         "EAR(A) > EAR(B) in every (D, ROW) of the simulator",
         "simulator",
-        tuple(
-            Comparison(_sim(D, ROW, A, "EAR"), ">", _sim(D, ROW, B, "EAR"))
-            for D in (20, 40)
-            for ROW in (0, 20, 40, 60)
-        ),
+        _all(_methods(_sim, ">"), Ds, ROWs, ["EAR"], [B]),
     ),
     Claim(
         2,
@@ -105,38 +109,26 @@ CLAIMS = (
         3,
         "EAR(A) − EAR(B) is at most 0.05 at D = 20, ROW 40 and 60",
         "simulator",
-        tuple(Comparison(_sim(20, ROW, A, "EAR"), "≤", _sim(20, ROW, B, "EAR"), 0.05) for ROW in (40, 60)),
+        _all(_methods(_sim, "≤", 0.05), [20], (40, 60), ["EAR"], [B]),
         paper="about 0.02",
     ),
     Claim(
         4,
         "For A: EAR, ARI_p, F1 and ACC at ROW 0 are at least those at ROW 40, each D",
         "simulator",
-        tuple(
-            Comparison(_sim(D, 0, A, measure), "≥", _sim(D, 40, A, measure))
-            for D in (20, 40)
-            for measure in ("EAR", "ARI_p", "F1", "ACC")
-        ),
+        _all(lambda D, measure: Comparison(_sim(D, 0, A, measure), "≥", _sim(D, 40, A, measure)), Ds, LEARNED),
     ),
     Claim(
         5,
         "For A: EAR, ARI_p, F1 and ACC at D = 40 are at least those at D = 20, ROW 0",
         "simulator",
-        tuple(
-            Comparison(_sim(40, 0, A, measure), "≥", _sim(20, 0, A, measure))
-            for measure in ("EAR", "ARI_p", "F1", "ACC")
-        ),
+        _all(lambda measure: Comparison(_sim(40, 0, A, measure), "≥", _sim(20, 0, A, measure)), LEARNED),
     ),
     Claim(
         6,
         "From ALL to ROW 0, ARI_p gains most of the four ARI (A, each D)",
         "simulator",
-        tuple(
-            Comparison(_gain(D, "ARI_p"), ">", _gain(D, measure))
-            for D in (20, 40)
-            for measure in ARI
-            if measure != "ARI_p"
-        ),
+        _all(lambda D, x: Comparison(_gain(D, "ARI_p"), ">", _gain(D, x)), Ds, [x for x in ARI if x != "ARI_p"]),
     ),
     Claim(
         7,
@@ -149,7 +141,7 @@ CLAIMS = (
         8,
         "ARI_o and ARI_a are below ARI_c at D = 40, ROW 0 (A)",
         "simulator",
-        tuple(Comparison(_sim(40, 0, A, "ARI_c"), ">", _sim(40, 0, A, measure)) for measure in ("ARI_o", "ARI_a")),
+        _all(lambda x: Comparison(_sim(40, 0, A, "ARI_c"), ">", _sim(40, 0, A, x)), ("ARI_o", "ARI_a")),
     ),
     Claim(
         9,
@@ -157,11 +149,7 @@ CLAIMS = (
         "simulator",
         (
             Comparison(_sim(40, 0, A, "OAR"), "=", ONE),
-            *(
-                Comparison(_sim(40, 0, A, measure), "≥", _sim(40, 0, other, measure))
-                for measure in ("OAR", "WAR")
-                for other in (B, C)
-            ),
+            *_all(_methods(_sim, "≥"), [40], [0], ("OAR", "WAR"), (B, C)),
         ),
         paper="OAR of A 1.000",
         note="The paper asked eight people for the words of WAR; here the tutor's criteria decide.",
@@ -170,18 +158,13 @@ CLAIMS = (
         10,
         "F1 and ACC of A are above those of B and C, each D, ROW 0",
         "simulator",
-        tuple(
-            Comparison(_sim(D, 0, A, measure), ">", _sim(D, 0, other, measure))
-            for D in (20, 40)
-            for measure in ("F1", "ACC")
-            for other in (B, C)
-        ),
+        _all(_methods(_sim, ">"), Ds, [0], ("F1", "ACC"), (B, C)),
     ),
     Claim(
         11,
         "Reach / touch is the pair of action words most often confused",
         "simulator",
-        tuple(Comparison(_confusions(PAIR), ">", _confusions(other)) for other in OTHER_PAIRS),
+        _all(lambda other: Comparison(_confusions(PAIR), ">", _confusions(other)), OTHER_PAIRS),
         note="Counts of both directions, in the matrices of the paper's Figure 6: D 20 and 40, ROW 0 and 40, A. "
         "Where a word is true of no test action, confusions with it are counted in one direction only.",
     ),
@@ -197,12 +180,8 @@ CLAIMS = (
         "|ARI_x(A) − ARI_x(B)| and |ARI_x(A) − ARI_x(C)| ≤ 0.1 for every channel, D and ROW, and EAR(A) > EAR(B)",
         "real",
         (
-            *_real_ari(),
-            *(
-                Comparison(_real(D, ROW, A, "EAR"), ">", _real(D, ROW, B, "EAR"))
-                for D in (25, 40)
-                for ROW in (0, 9, 20, 40)
-            ),
+            *_all(_methods(_real, "within ±", 0.1), REAL_Ds, REAL_ROWs, ARI, (B, C)),
+            *_all(_methods(_real, ">"), REAL_Ds, REAL_ROWs, ["EAR"], [B]),
         ),
         note=OTHER_WORLD,
     ),
@@ -211,9 +190,8 @@ CLAIMS = (
         "OAR(A) = OAR(B) = 1, and OAR(C) is lower",
         "real",
         (
-            Comparison(_real(25, 0, A, "OAR"), "=", ONE),
-            Comparison(_real(25, 0, B, "OAR"), "=", ONE),
-            Comparison(_real(25, 0, A, "OAR"), ">", _real(25, 0, C, "OAR")),
+            *_all(lambda method: Comparison(_real(25, 0, method, "OAR"), "=", ONE), (A, B)),
+            *_all(_methods(_real, ">"), [25], [0], ["OAR"], [C]),
         ),
         paper="OAR 1.000, 1.000 and 0.833",
         note=f"{OTHER_WORLD} The paper's 0.833 for C may come from its program.",
