@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -22,20 +23,19 @@ def claims_html(claims: pd.DataFrame, comparisons: pd.DataFrame) -> str:
         claims: The rows of `claims.csv`.
         comparisons: The rows of `claims_comparisons.csv`.
     """
-    shown = comparisons.assign(
-        numbers=[
-            ["–" if pd.isna(number) else f"{number:.3f}" for number in pair]
-            for pair in comparisons[["left", "right"]].to_numpy()
-        ],
-        spans=[
-            [signed(row["difference"]), f"{signed(row['low'])} to {signed(row['high'])}"]
-            for _, row in comparisons.iterrows()
-        ],
-        links=comparisons["rests_on"].str.split(),
-    )
-    behind = [shown[shown["claim"] == number].to_dict("records") for number in claims["claim"]]
+    behind = [
+        [_comparison(row) for _, row in comparisons[comparisons["claim"] == number].iterrows()]
+        for number in claims["claim"]
+    ]
     rows = list(zip(claims.to_dict("records"), behind, strict=True))
     return render("claims.html", rows=rows, color=COLOR)
+
+
+def _comparison(row: pd.Series[Any]) -> dict[str, Any]:
+    numbers = ["–" if pd.isna(row[name]) else f"{row[name]:.3f}" for name in ("left", "right")]
+    spans = [signed(row["difference"]), f"{signed(row['low'])} to {signed(row['high'])}"]
+    texts = [row["comparison"], *numbers, *spans, row["n"]]
+    return {"texts": texts, "verdict": row["verdict"], "links": row["rests_on"].split()}
 
 
 def write_claims(
