@@ -6,8 +6,9 @@ import argparse
 import sys
 from pathlib import Path
 
+from workflow.artifacts.cache_options import default_folder, default_limit, size_in_bytes
 from workflow.artifacts.provenance import ROOT
-from workflow.artifacts.store import Store, default_folder, default_limit, size_in_bytes
+from workflow.artifacts.store import Store
 from workflow.plan.config import ConfigError
 from workflow.plan.loading import load_study
 

@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 
 from workflow.__main__ import WRONG, main
+from workflow.artifacts.cache_options import default_folder, default_limit
 from workflow.artifacts.keys import job_key
 from workflow.artifacts.records import Record, content, read_record, records_of_job
-from workflow.artifacts.store import Store, default_folder, default_limit
+from workflow.artifacts.store import Store
 
 OUTPUTS = {"table": "features/t.parquet", "logs": "mcap"}
 

@@ -19,52 +19,13 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from workflow.artifacts.cache_options import DEFAULT_GIB
 from workflow.artifacts.copies import copy, remove_any, temporary_name
 from workflow.artifacts.keys import hash_of
 from workflow.artifacts.records import FULL, Record, content, remove, write_record
 
-DEFAULT_GIB = 10.0
 ABANDONED = 24 * 3600.0  # seconds after which a temporary folder counts as left over from a killed process
 _logger = logging.getLogger(__name__)
-
-
-def default_folder() -> Path:
-    """The folder that `CACHE` names, or else one in the user's cache folder."""
-    named = os.environ.get("CACHE")
-    if named:
-        return Path(named).expanduser().absolute()
-    return (
-        Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "cross-situational-learning" / "artifacts"
-    )
-
-
-def default_limit() -> int:
-    """The size limit in bytes: `CACHE_GIB`, where 0 turns the store off.
-
-    Raises:
-        ValueError: It is not a size.
-    """
-    return size_in_bytes("CACHE_GIB", os.environ.get("CACHE_GIB") or str(DEFAULT_GIB), "0 for no cache")
-
-
-def size_in_bytes(name: str, gibibytes: str, zero: str) -> int:
-    """Parse a size.
-
-    Args:
-        name: its name in messages.
-        gibibytes: the text.
-        zero: what 0 means, for messages.
-
-    Raises:
-        ValueError: The text is not a size.
-    """
-    try:
-        size = float(gibibytes)
-    except ValueError:
-        size = -1.0
-    if not 0 <= size < float("inf"):
-        raise ValueError(f"{name}={gibibytes}: must be a number of gibibytes, {zero}")
-    return int(size * 2**30)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,47 @@
+"""Where the store is, and how large it may get: what the user says, or the defaults."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+DEFAULT_GIB = 10.0
+
+
+def default_folder() -> Path:
+    """The folder that `CACHE` names, or else one in the user's cache folder."""
+    named = os.environ.get("CACHE")
+    if named:
+        return Path(named).expanduser().absolute()
+    return (
+        Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "cross-situational-learning" / "artifacts"
+    )
+
+
+def default_limit() -> int:
+    """The size limit in bytes: `CACHE_GIB`, where 0 turns the store off.
+
+    Raises:
+        ValueError: It is not a size.
+    """
+    return size_in_bytes("CACHE_GIB", os.environ.get("CACHE_GIB") or str(DEFAULT_GIB), "0 for no cache")
+
+
+def size_in_bytes(name: str, gibibytes: str, zero: str) -> int:
+    """Parse a size.
+
+    Args:
+        name: its name in messages.
+        gibibytes: the text.
+        zero: what 0 means, for messages.
+
+    Raises:
+        ValueError: The text is not a size.
+    """
+    try:
+        size = float(gibibytes)
+    except ValueError:
+        size = -1.0
+    if not 0 <= size < float("inf"):
+        raise ValueError(f"{name}={gibibytes}: must be a number of gibibytes, {zero}")
+    return int(size * 2**30)
