@@ -38,11 +38,11 @@ def errors_within(size: int, imports: str, statement: str, error: str, paths: Ma
     """What a statement on each `path` raises, where the process may take `size` bytes more than its imports.
 
     Args:
-        size: bytes of address space.
-        imports: import statements.
-        statement: one line that reads `path`.
-        error: the documented type of error.
-        paths: files by name; one called "warm up" is read first, without a limit and a result.
+        size: Bytes of address space.
+        imports: Import statements.
+        statement: One line that reads `path`.
+        error: The documented type of error.
+        paths: Files by name; one called "warm up" is read first, without a limit and a result.
 
     Returns:
         The text of the error by name; "accepted" where there was none.

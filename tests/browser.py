@@ -53,13 +53,13 @@ class Seen:
     """What a browser made of a page.
 
     Attributes:
-        anchors: the ids of its elements.
-        lost_links: links within the page that lead nowhere.
-        images: how many there are.
-        broken_images: the alternative texts of images that were not shown.
-        silent_images: how many images have no alternative text.
-        fetched: what was asked for over a network, whether it came or not.
-        width: pixels by which the page is wider than the window.
+        anchors: The ids of its elements.
+        lost_links: Links within the page that lead nowhere.
+        images: How many there are.
+        broken_images: The alternative texts of images that were not shown.
+        silent_images: How many images have no alternative text.
+        fetched: What was asked for over a network, whether it came or not.
+        width: Pixels by which the page is wider than the window.
     """
 
     anchors: list[str]
@@ -75,9 +75,9 @@ def look(page: Path, folder: Path, window: str = "1300,900") -> Seen:
     """Open a copy of a page in Chromium, with a script that looks around and which the copy's policy allows.
 
     Args:
-        page: the page.
-        folder: an empty folder for the copy and the browser's profile.
-        window: width, height in pixels.
+        page: The page.
+        folder: An empty folder for the copy and the browser's profile.
+        window: Width, height in pixels.
     """
     assert CHROMIUM is not None
     text = page.read_text(encoding="utf-8")
@@ -110,9 +110,9 @@ def use(page: Path, scripts: list[str], folder: Path) -> list[Any]:
     """Open a page and run scripts on it, one after the other; files that it saves go to the folder.
 
     Args:
-        page: the page.
-        scripts: expressions of JavaScript.
-        folder: where files are saved; the browser's profile is a folder in it, too.
+        page: The page.
+        scripts: Expressions of JavaScript.
+        folder: Where files are saved; the browser's profile is a folder in it, too.
 
     Returns:
         The value of each script, or the path of the file that was saved where a script is `DOWNLOADED`, which waits

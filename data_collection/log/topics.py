@@ -45,7 +45,7 @@ class Topic:
     """One signal.
 
     Attributes:
-        name: of the ROS topic.
+        name: Of the ROS topic.
         value: What its messages hold.
         meaning: What it is, and how often.
         required: Kinds of log that must have it.

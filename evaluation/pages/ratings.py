@@ -13,7 +13,7 @@ def write_page(clips: Sequence[tuple[str, str, Sequence[str]]], title: str, path
     """Write the page.
 
     Args:
-        clips: name, path of the picture relative to the page, and allowed words of each clip.
+        clips: Name, path of the picture relative to the page, and allowed words of each clip.
         title: Heading of the page.
         path: The page.
     """

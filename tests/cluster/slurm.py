@@ -69,8 +69,8 @@ class Slurm:
     """A running Slurm.
 
     Attributes:
-        folder: where it writes.
-        environment: that of those who use it.
+        folder: Where it writes.
+        environment: That of those who use it.
     """
 
     folder: Path
@@ -80,7 +80,7 @@ class Slurm:
         """What one of Slurm's commands prints.
 
         Raises:
-            subprocess.SubprocessError: it failed, or took too long.
+            subprocess.SubprocessError: It failed, or took too long.
         """
         return subprocess.run(
             command, env=self.environment, capture_output=True, text=True, check=True, timeout=PATIENCE
@@ -106,7 +106,7 @@ def slurm(folder: Path) -> Iterator[Slurm]:
     """Start a Slurm in a new folder, and stop it however the block ends.
 
     Raises:
-        RuntimeError: it did not start; with what it said.
+        RuntimeError: It did not start; with what it said.
     """
     running = Slurm(folder.resolve(), {**os.environ, "PATH": f"{folder.resolve()}/bin{os.pathsep}{PATH}"})
     _write_files(running.folder)

@@ -30,11 +30,11 @@ class Ran:
     """A study whose first run lost a job.
 
     Attributes:
-        out: its output folder.
-        cancelled: what the first run printed, and its status.
-        resumed: the same of the second.
-        fits: how many fits the first run had ended with.
-        jobs: of Slurm, in the order of their submission: group, state, cores, memory, limit and time.
+        out: Its output folder.
+        cancelled: What the first run printed, and its status.
+        resumed: The same of the second.
+        fits: How many fits the first run had ended with.
+        jobs: Of Slurm, in the order of their submission: group, state, cores, memory, limit and time.
     """
 
     out: Path

@@ -22,11 +22,11 @@ class Block:
     """A fenced block of code.
 
     Attributes:
-        language: what stands behind the fence, for instance `sh`; empty for none.
-        code: the lines between the fences.
-        line: number of the first of them in the page, from 1.
-        note: what the comment before the block says; empty for none.
-        heading: the heading that the block stands under.
+        language: What stands behind the fence, for instance `sh`; empty for none.
+        code: The lines between the fences.
+        line: Number of the first of them in the page, from 1.
+        note: What the comment before the block says; empty for none.
+        heading: The heading that the block stands under.
     """
 
     language: str

@@ -33,10 +33,10 @@ def distances(draws: Floats, expected: Floats, error: Floats | float = 0.0, floo
     """(Q,) how far the means of (chains, draws, Q) are from `expected`, in standard errors.
 
     Args:
-        draws: of a Markov chain or of several.
+        draws: Of a Markov chain or of several.
         expected: (Q,).
-        error: standard error of `expected`.
-        floor: the smallest standard error, in standard deviations of a quantity, and for a constant one as such.
+        error: Standard error of `expected`.
+        floor: The smallest standard error, in standard deviations of a quantity, and for a constant one as such.
     """
     if draws.ndim != 3:
         raise ValueError(f"draws are {draws.shape}, not (chains, draws, quantities)")

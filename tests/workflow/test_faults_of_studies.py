@@ -33,9 +33,9 @@ class Kill:
     """A moment at which a study is killed.
 
     Attributes:
-        records: when there are so many records of artifacts in the output folder, and
-        seconds: so much later.
-        group: the whole process group; otherwise Snakemake alone, whose jobs live on as orphans.
+        records: When there are so many records of artifacts in the output folder, and
+        seconds: So much later.
+        group: The whole process group; otherwise Snakemake alone, whose jobs live on as orphans.
     """
 
     records: int

@@ -73,10 +73,10 @@ def run(out: Path, store: Store, jobs: list[Job] | None = None, after: Callable[
     """Run the tiny study as `workflow.execution.runner` runs a study; its status.
 
     Args:
-        out: the output folder.
-        store: where artifacts are shared.
-        jobs: of the plan.
-        after: called with each rule when its job has finished.
+        out: The output folder.
+        store: Where artifacts are shared.
+        jobs: Of the plan.
+        after: Called with each rule when its job has finished.
     """
     jobs = jobs or plan()
 

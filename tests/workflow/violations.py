@@ -26,9 +26,9 @@ def sample(schema: Schema, overrides: Mapping[str, Any], name: str = "") -> Any:
     """A valid value in which every key is present.
 
     Args:
-        schema: of the value.
-        overrides: valid values, by key, that cannot be guessed from the schema.
-        name: the key that holds the value.
+        schema: Of the value.
+        overrides: Valid values, by key, that cannot be guessed from the schema.
+        name: The key that holds the value.
     """
     schema = resolved(schema)
     if name in overrides:

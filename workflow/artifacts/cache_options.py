@@ -31,9 +31,9 @@ def size_in_bytes(name: str, gibibytes: str, zero: str) -> int:
     """Parse a size.
 
     Args:
-        name: its name in messages.
-        gibibytes: the text.
-        zero: what 0 means, for messages.
+        name: Its name in messages.
+        gibibytes: The text.
+        zero: What 0 means, for messages.
 
     Raises:
         ValueError: The text is not a size.

@@ -29,8 +29,8 @@ def explain(out: Path, path: str) -> Iterator[str]:
     """The lines of an artifact's tree.
 
     Args:
-        out: the output folder.
-        path: the artifact's path in it.
+        out: The output folder.
+        path: The artifact's path in it.
 
     Raises:
         ValueError: The artifact has no record.

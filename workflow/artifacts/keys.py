@@ -19,8 +19,8 @@ def plain(value: Any, where: str = "value") -> Any:
     """A value as plain JSON data: tuples and ranges become lists, dataclasses mappings.
 
     Args:
-        value: a parameter of a rule, or a part of one.
-        where: its name in messages.
+        value: A parameter of a rule, or a part of one.
+        where: Its name in messages.
 
     Raises:
         ValueError: The value contains an absolute path or a type without canonical JSON.
@@ -47,10 +47,10 @@ def job_key(rule: str, wildcards: Mapping[str, str], parameters: Mapping[str, An
     """The key of a job.
 
     Args:
-        rule: name of its rule.
-        wildcards: values by name.
+        rule: Name of its rule.
+        wildcards: Values by name.
         parameters: `params` of the rule; they must include `code`, the hash of its code and of the lock file.
-        inputs: the key of each input by its role (see `workflow.execution.roles`).
+        inputs: The key of each input by its role (see `workflow.execution.roles`).
 
     Raises:
         ValueError: A parameter cannot be part of a key, or `code` is missing.

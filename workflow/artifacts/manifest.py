@@ -20,9 +20,9 @@ def write_manifest(out: Path, artifacts: Mapping[str, str], patience: float = 30
     """Write the records of artifacts to one file, sorted by path.
 
     Args:
-        out: the output folder.
-        artifacts: the planned key of each, by path.
-        patience: seconds to wait for records that another machine wrote and a shared file system shows late.
+        out: The output folder.
+        artifacts: The planned key of each, by path.
+        patience: Seconds to wait for records that another machine wrote and a shared file system shows late.
 
     Raises:
         ValueError: An artifact has no record, or its key differs from the planned one.

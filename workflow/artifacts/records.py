@@ -34,8 +34,8 @@ class Content:
     """The content of a file or folder.
 
     Attributes:
-        sha256: of the file, or of a folder's `files`.
-        size: in bytes.
+        sha256: Of the file, or of a folder's `files`.
+        size: In bytes.
         files: sha256 by path of the files in a folder; None for a file.
     """
 

@@ -42,8 +42,8 @@ class Store:
     """A folder of entries.
 
     Attributes:
-        folder: where they are; created with the first entry.
-        limit: the most bytes that `trim` leaves; 0 turns the store off.
+        folder: Where they are; created with the first entry.
+        limit: The most bytes that `trim` leaves; 0 turns the store off.
     """
 
     folder: Path
@@ -59,9 +59,9 @@ class Store:
         If the folder cannot be written, or is full, one warning says so and the study goes on without the store.
 
         Args:
-            key: the job's key.
-            out: the output folder.
-            records: the records of all its outputs, by path in `out`.
+            key: The job's key.
+            out: The output folder.
+            records: The records of all its outputs, by path in `out`.
 
         Returns:
             Whether the store has the entry now.
@@ -98,9 +98,9 @@ class Store:
         warning, removed, and not used.
 
         Args:
-            key: the job's key.
-            out: the output folder.
-            paths: the path in `out` of each output by role.
+            key: The job's key.
+            out: The output folder.
+            paths: The path in `out` of each output by role.
 
         Returns:
             Whether they are in place now.
@@ -159,7 +159,7 @@ class Store:
         """Remove what killed processes left, and the least recently used entries beyond the limit.
 
         Args:
-            limit: in bytes; None for the store's own, and then a store that is turned off is left alone.
+            limit: In bytes; None for the store's own, and then a store that is turned off is left alone.
 
         Returns:
             The numbers of entries and bytes removed.

@@ -15,14 +15,14 @@ class Job:
     """A job of the plan.
 
     Attributes:
-        rule: the name of its rule.
-        wildcards: values by name.
+        rule: The name of its rule.
+        wildcards: Values by name.
         parameters: `params` of the rule.
-        inputs: path by role; relative to OUT for artifacts, absolute for external files.
-        outputs: path by role, relative to OUT.
-        log: the path of its log, relative to OUT.
-        forced: whether the user asked for it to run in any case.
-        script: the script that it runs.
+        inputs: Path by role; relative to OUT for artifacts, absolute for external files.
+        outputs: Path by role, relative to OUT.
+        log: The path of its log, relative to OUT.
+        forced: Whether the user asked for it to run in any case.
+        script: The script that it runs.
     """
 
     rule: str
@@ -50,9 +50,9 @@ class Plan:
     """The jobs of a run.
 
     Attributes:
-        jobs: in an order in which they could run.
-        for_real: whether this is not a dry run.
-        whole: whether these are all jobs of the study, rather than those for some targets.
+        jobs: In an order in which they could run.
+        for_real: Whether this is not a dry run.
+        whole: Whether these are all jobs of the study, rather than those for some targets.
     """
 
     jobs: Sequence[Job]
@@ -64,8 +64,8 @@ def keys_of(jobs: Sequence[Job], source_key: Callable[[str], str]) -> list[str]:
     """The key of each job, for jobs in an order in which they could run.
 
     Args:
-        jobs: each after the jobs that make its inputs.
-        source_key: the key of an external file.
+        jobs: Each after the jobs that make its inputs.
+        source_key: The key of an external file.
 
     Raises:
         ValueError: An input is made by no job, and its path is not absolute.

@@ -31,9 +31,9 @@ class Hooks:
     """What a run asks and tells.
 
     Attributes:
-        decide: gives the jobs of a plan that must run, by index. If the plan is for real, it leaves none of their
+        decide: Gives the jobs of a plan that must run, by index. If the plan is for real, it leaves none of their
             outputs, and no other artifact older than its inputs.
-        finished: receives each job that has succeeded, and whether its code is still as planned.
+        finished: Receives each job that has succeeded, and whether its code is still as planned.
     """
 
     decide: Callable[[Plan], Collection[int]]
@@ -117,10 +117,10 @@ def command_line(config: Path, out: Path, cores: int | None = None, profile: str
     """The arguments of Snakemake for a study.
 
     Args:
-        config: the config file.
-        out: the output folder.
-        cores: how many jobs may run at the same time (on a cluster, within one of its jobs); None for the profile's.
-        profile: the folder of a profile, or the name of one in `workflow/profiles`; it is laid over the default one.
+        config: The config file.
+        out: The output folder.
+        cores: How many jobs may run at the same time (on a cluster, within one of its jobs); None for the profile's.
+        profile: The folder of a profile, or the name of one in `workflow/profiles`; it is laid over the default one.
 
     Raises:
         ValueError: There is no such profile.

@@ -34,7 +34,7 @@ def job(snakemake: Any) -> Iterator[None]:
     and the last lines of the log; the traceback is in the log only.
 
     Args:
-        snakemake: what Snakemake gives to a script: rule, input, output, params, wildcards and log.
+        snakemake: What Snakemake gives to a script: rule, input, output, params, wildcards and log.
 
     Raises:
         SystemExit: The job failed, and the reason has been shown.
@@ -96,9 +96,9 @@ def time_line(start_up: float, wall: float, before: Mapping[str, float] | None =
     """What this process has taken so far, as the last line of a log.
 
     Args:
-        start_up: as in `time_of`.
-        wall: as in `time_of`.
-        before: what earlier processes took, which is added.
+        start_up: As in `time_of`.
+        wall: As in `time_of`.
+        before: What earlier processes took, which is added.
     """
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     took = {"start_up": start_up, "processor": time.process_time(), "wall": wall, "memory": memory}

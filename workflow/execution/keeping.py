@@ -23,7 +23,7 @@ class Keeper:
     """Brings an output folder in line with a plan; its methods are hooks of `workflow.execution.engine`.
 
     Attributes:
-        artifacts: the keys of all artifacts of a study by path; None until a whole study is planned for real.
+        artifacts: The keys of all artifacts of a study by path; None until a whole study is planned for real.
         complete: False if an artifact was removed because its code changed.
     """
 

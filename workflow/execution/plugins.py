@@ -44,8 +44,8 @@ class Orders:
     """What the plugins are to do.
 
     Attributes:
-        jobs: the jobs to run, by the path of their first output; empty while jobs are laid out.
-        finished: as in `workflow.execution.engine.Hooks`.
+        jobs: The jobs to run, by the path of their first output; empty while jobs are laid out.
+        finished: As in `workflow.execution.engine.Hooks`.
     """
 
     jobs: Mapping[str, Job] = field(default_factory=dict)
@@ -59,7 +59,7 @@ def install(executor: str | None) -> None:
     """Put the plugins into the registries of this process.
 
     Args:
-        executor: the one that was asked for, which is extended.
+        executor: The one that was asked for, which is extended.
     """
     executors = ExecutorPluginRegistry()
     plugins = executors.plugins

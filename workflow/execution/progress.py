@@ -21,8 +21,8 @@ class Progress:
     """Shows how far a run is: on a terminal one line that is redrawn in place, elsewhere a line now and then.
 
     Args:
-        stream: where to write.
-        clock: gives the time in seconds.
+        stream: Where to write.
+        clock: Gives the time in seconds.
     """
 
     def __init__(self, stream: TextIO | None = None, clock: Callable[[], float] = time.monotonic) -> None:
@@ -40,7 +40,7 @@ class Progress:
         """Begin a run.
 
         Args:
-            stages: the stage of each job to be made.
+            stages: The stage of each job to be made.
         """
         self._left = Counter(stages)
         self._began = self._told = self._latest = self._clock()
@@ -54,8 +54,8 @@ class Progress:
         """Count a job that has succeeded.
 
         Args:
-            stage: its stage.
-            seconds: how long it took.
+            stage: Its stage.
+            seconds: How long it took.
         """
         with self._lock:
             self._stage, self._latest = stage, self._clock()

@@ -11,7 +11,7 @@ def by_role(items: Any) -> dict[str, Any]:
     """What Snakemake lists (input, output, params, wildcards) by role: `fit`, `logs[0]`, or `[0]` without a name.
 
     Raises:
-        ValueError: something without a name comes after something with one.
+        ValueError: Something without a name comes after something with one.
     """
     named: dict[str, Any] = {}
     for name, value in items.items():

@@ -32,12 +32,12 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
     """Run what is new in a study, and write the manifest.
 
     Args:
-        config: the config file.
-        out: the output folder.
-        cores: how many jobs may run at the same time; None for the profile's number.
-        profile: where and how they run, see `engine.command_line`.
-        more: further arguments for Snakemake.
-        store: where artifacts are shared.
+        config: The config file.
+        out: The output folder.
+        cores: How many jobs may run at the same time; None for the profile's number.
+        profile: Where and how they run, see `engine.command_line`.
+        more: Further arguments for Snakemake.
+        store: Where artifacts are shared.
 
     Returns:
         The exit status: 0, 1 if a job failed or was stopped, or 3 if another run is using the folder.

@@ -37,7 +37,7 @@ def read_config(path: Path) -> dict[str, Any]:
     """Read a YAML config as plain data.
 
     Raises:
-        ConfigError: the file is missing, too large, not YAML, not a mapping, has tags or aliases, or has a key twice.
+        ConfigError: The file is missing, too large, not YAML, not a mapping, has tags or aliases, or has a key twice.
     """
     try:
         with path.open("rb") as file:
@@ -64,7 +64,7 @@ def keep_config(path: Path, out: Path) -> Path:
         The copy, of which `copied_from` tells where it came from.
 
     Raises:
-        ConfigError: the file cannot be read, or is no plain YAML.
+        ConfigError: The file cannot be read, or is no plain YAML.
     """
     copy = out / COPY
     with replacing(copy, copy.with_suffix(".origin")) as (content, origin_file):

@@ -19,7 +19,7 @@ def load_study(path: Path) -> Study:
     """Read, check and complete a config file.
 
     Raises:
-        ConfigError: with everything that is wrong.
+        ConfigError: With everything that is wrong.
     """
     return plan(read_config(path), path)
 
@@ -28,11 +28,11 @@ def plan(config: Mapping[str, Any], path: Path) -> Study:
     """Check a config and fill in its defaults.
 
     Args:
-        config: plain data.
-        path: the file that it came from.
+        config: Plain data.
+        path: The file that it came from.
 
     Raises:
-        ConfigError: with everything that is wrong.
+        ConfigError: With everything that is wrong.
     """
     try:
         checked = StudyConfig.model_validate(config)

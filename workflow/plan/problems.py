@@ -46,8 +46,8 @@ def problems_of(error: ValidationError, config: Any) -> list[str]:
     """Everything in which a config departs from its model, in alphabetical order: the key, and what is allowed.
 
     Args:
-        error: what pydantic says.
-        config: the config as plain data.
+        error: What pydantic says.
+        config: The config as plain data.
     """
     found = [one for one in error.errors(include_url=False) if not _follows(one)]
     return sorted(
@@ -128,8 +128,8 @@ def _place(loc: Sequence[str | int], config: Any) -> tuple[list[str | int], Sche
     """Where an error is: its path in the config, its schema, and what its key means.
 
     Args:
-        loc: where pydantic says that it is, with marks of unions.
-        config: the config as plain data.
+        loc: Where pydantic says that it is, with marks of unions.
+        config: The config as plain data.
     """
     schema, value = resolved(config_schema()), config
     path: list[str | int] = []

@@ -22,8 +22,8 @@ def _plain(schema: Any, names: bool = False) -> Any:
     """A part of a schema without titles, which repeat the keys, and without null, which stands for no value at all.
 
     Args:
-        schema: the part.
-        names: whether the keys of a mapping are names of the config, not keywords.
+        schema: The part.
+        names: Whether the keys of a mapping are names of the config, not keywords.
     """
     if isinstance(schema, list):
         return [_plain(item) for item in schema]

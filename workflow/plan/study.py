@@ -22,10 +22,10 @@ class Experiment:
     """One experiment.
 
     Attributes:
-        name: its name.
-        data: name of the experiment whose data it uses, its own name where it has its own.
-        words: the words by channel.
-        settings: every key of its config, completed.
+        name: Its name.
+        data: Name of the experiment whose data it uses, its own name where it has its own.
+        words: The words by channel.
+        settings: Every key of its config, completed.
     """
 
     name: str
@@ -97,8 +97,8 @@ class Study:
     """A checked config.
 
     Attributes:
-        experiments: the experiments by name.
-        folder: the folder of the config file, to which its paths are relative.
+        experiments: The experiments by name.
+        folder: The folder of the config file, to which its paths are relative.
     """
 
     experiments: Mapping[str, Experiment]

@@ -66,7 +66,7 @@ def hyperparameters(changes: Iterable[tuple[str, Any]]) -> dict[Channel, Prior]:
     """The hyperparameters of each channel after changes by the config's keys, of which later ones win.
 
     Args:
-        changes: a key of `HYPERPARAMETERS`, and a number, or one per channel that changes.
+        changes: A key of `HYPERPARAMETERS`, and a number, or one per channel that changes.
     """
     priors: dict[Channel, dict[str, Any]] = {
         channel: {"box": BOXES[channel]} if channel in BOXES else {} for channel in CHANNELS
