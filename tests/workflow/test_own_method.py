@@ -19,11 +19,12 @@ def test_the_schema_knows_the_methods() -> None:
 @pytest.mark.slow
 def test_a_method_is_a_row(tmp_path: Path) -> None:
     project, out = copy_project(tmp_path / "project"), tmp_path / "out"
-    table = project / "model" / "frames.py"
-    row = '    "free": Method("(F) free", "independent"),\n}\n\n\nclass FrameList'
-    text = table.read_text(encoding="utf-8")
-    assert text.count("}\n\n\nclass FrameList") == 1
-    table.write_text(text.replace("}\n\n\nclass FrameList", row), encoding="utf-8")
+    table = project / "model" / "methods.py"
+    text, last = table.read_text(encoding="utf-8"), "    )\n}\n"
+    assert text.count(last) == 1
+    table.write_text(
+        text.replace(last, f'        Method("free", "(F) free", Independent()),\n{last}'), encoding="utf-8"
+    )
     files = {"trials": "trials.parquet", "objects": "objects.parquet"}
     own = {"features": files | {"description": files}, "methods": ["free", "no_mec2"], "seeds": 1, "ROW": [0]}
     run(write_own_study(tmp_path, **own), out, root=project)
