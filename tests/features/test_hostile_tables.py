@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import base64
+import faulthandler
 import functools
 import json
 import multiprocessing
 import os
 import pickle
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -317,6 +319,8 @@ def in_a_fork(read: Callable[[], FeatureTable]) -> FeatureTable | TableError | N
     receiver, sender = multiprocessing.Pipe(duplex=False)
     process = os.fork()
     if process == 0:
+        faulthandler.disable()  # a crash is an answer
+        signal.alarm(60)
         try:
             sender.send(read())
         except TableError as error:

@@ -120,8 +120,8 @@ FIGURE_INPUTS = {
     "simulated trials": trial_inputs,
     "simulation": simulation_inputs,
 }
-# What is drawn of the data alone runs in the Slurm jobs that make them.
-DATA_INPUTS = {"features", "simulated trials", "simulation"}
+# What is drawn of data alone runs in the Slurm jobs that make them; what is drawn of no file would be a job by itself.
+DATA_INPUTS = {"features", "simulated trials"}
 
 
 def figures_of_study():
