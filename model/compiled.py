@@ -29,20 +29,39 @@ def compiled(function: Callable[_Arguments, _Result]) -> Callable[_Arguments, _R
     """Compile a function to machine code at its first call, or load it from `cache_folder`.
 
     No reordering of floating-point operations (`fastmath`) and no threads: the same input gives the same bytes.
-    Every compiled function is called with arguments of one type each, C-contiguous arrays in particular,
-    so that processes that start together can only write the same entry.
+    Every compiled function is called with arguments of one type each, C-contiguous arrays in particular, or with
+    literals (Numba compiles for True and for False apart), in a fixed order: processes that start together can only
+    write the same entries.
     """
+    return _compile(function)
+
+
+def _compile(function: Callable[_Arguments, _Result], **options: bool) -> Callable[_Arguments, _Result]:
     folder = cache_folder()
     before = numba.config.CACHE_DIR
     # Numba reads the setting when it decorates; nobody else's functions are to move into this folder.
     numba.config.CACHE_DIR = "" if folder is None else str(folder)
     try:
         dispatcher: Callable[_Arguments, _Result] = numba.njit(
-            function, cache=folder is not None, error_model="numpy"
+            function, cache=folder is not None, error_model="numpy", **options
         )
     finally:
         numba.config.CACHE_DIR = before
     return dispatcher
+
+
+def lean(function: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
+    """As `compiled`, for functions that make no arrays but get many, in named tuples.
+
+    Numba counts references to every array of a tuple at every use, which takes longer than the arithmetic of a short
+    function. Where no array is made or returned there is nothing to count; Numba refuses to compile what does.
+    """
+    return _compile(function, _nrt=False)
+
+
+def inlined(function: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
+    """As `lean`, and made part of its compiled callers: for the shortest functions, whose call costs more."""
+    return _compile(function, _nrt=False, forceinline=True)
 
 
 @lru_cache(maxsize=1)

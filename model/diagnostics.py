@@ -14,8 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from model.data import Floats
+from model.data import Floats, Ints, Trials
 from model.fits import Fit
+from model.history import burned
+from model.prior import LEARNED
+
+# Shares of pairs of elements and of words are told by name of their channel behind these.
+PAIR, FRAME, WORD = "same_", "frame_", "word_"
+# What is told of a learned κ0.
+MEAN_PRECISION = "mean_precision_"
 
 
 @dataclass(frozen=True)
@@ -25,13 +32,15 @@ class Diagnosis:
     Attributes:
         quantity: Its name.
         mean: Over all chains and draws.
-        sd: Standard deviation over all chains and draws.
+        sd: Standard deviation over all chains and draws; 0 where the quantity is the same everywhere.
         r_hat: Rank-normalised split R-hat (Vehtari et al. 2021); about 1 where chains agree, infinite where each
-            stays at a value of its own. None where the quantity is the same everywhere, or the chain the only one,
-            for then nothing can be said.
+            stays at a value of its own. None where the quantity is the same everywhere, the chain the only one, or
+            shorter than four draws, for then nothing can be said.
         ess_bulk: Effective sample size in the bulk; None where the quantity is the same everywhere, or where ArviZ
             finds none.
         ess_tail: Effective sample size in the tails, likewise.
+        chains: How many chains there are.
+        draws: How many draws each has.
     """
 
     quantity: str
@@ -40,45 +49,85 @@ class Diagnosis:
     r_hat: float | None
     ess_bulk: float | None
     ess_tail: float | None
+    chains: int
+    draws: int
 
 
-def chain_quantities(fits: Sequence[Fit], burn_in: float = 0.5, pairs: int = 20) -> dict[str, Floats]:
+def chain_quantities(fits: Sequence[Fit], burn_in: float | None = None, pairs: int = 20) -> dict[str, Floats]:
     """The label-free quantities along the chains, each (chains, draws).
 
-    `log_joint` and `used_{x}` come from the traces. If the fits keep their history, `same_{x}_{i}_{j}` tells whether
-    elements i and j of channel x share a category, for a fixed sample of pairs per channel, and `frame_{x}`
-    which share of the words channel x explains.
+    `log_joint`, `used_{x}` and, where κ0 is learned, `mean_precision_{x}`, log10 of it, come from the traces, which
+    have every iteration. If the fits keep their history, its states tell the rest: `same_{x}_{i}_{j}` whether
+    elements i and j of channel x share a category, for a fixed sample of pairs per channel; `frame_{x}` which share
+    of the words channel x explains; `word_{x}_{w}` which share of the tokens of word w.
 
     Args:
         fits: One a chain.
-        burn_in: Share of the iterations left out at the start, 0 to below 1.
+        burn_in: Share of the iterations left out at the start, 0 to below 1; by default what the sampler says.
         pairs: Pairs a channel; the same ones for the same data.
 
     Raises:
         ValueError: No fits, or fits that are not chains of one posterior.
     """
-    _check(fits, burn_in)
-    first = fits[0]
-    skipped = int(burn_in * len(first.trace_log_joint))
+    check_chains(fits)
+    first, skipped = fits[0], skipped_iterations(fits[0], burn_in)
     result = {"log_joint": np.stack([fit.trace_log_joint[skipped:] for fit in fits])}
     for c, channel in enumerate(first.trials.channels):
         result[f"used_{channel.name}"] = np.stack([fit.trace_used[skipped:, c] for fit in fits]).astype(np.float64)
+        learned = [fit.trace_mean_precision[skipped:, c] for fit in fits if fit.trace_mean_precision is not None]
+        if learned and first.problem.priors[c].mean_precision == LEARNED:
+            result[f"{MEAN_PRECISION}{channel.name}"] = np.log10(np.stack(learned))
     histories = [fit.history for fit in fits if fit.history is not None]
     if len(histories) < len(fits):
         return result
     kept = histories[0].iterations > skipped
     for c, channel in enumerate(first.trials.channels):
-        # A generator of its own: the pairs depend on the number of elements only.
-        sample = np.random.default_rng(len(channel.features)).integers(len(channel.features), size=(pairs, 2))
-        for i, j in np.unique(np.sort(sample, axis=1), axis=0):
-            if i != j:
-                z = [history.z[c][kept] for history in histories]
-                result[f"same_{channel.name}_{i}_{j}"] = np.stack([part[:, i] == part[:, j] for part in z]).astype(
-                    float
-                )
-        if histories[0].F.shape[1]:
-            shares = [(history.F[kept] == c).mean(axis=1) for history in histories]
-            result[f"frame_{channel.name}"] = np.stack(shares)
+        z = np.stack([history.z[c][kept] for history in histories])
+        result |= {
+            f"{PAIR}{channel.name}_{i}_{j}": (z[:, :, i] == z[:, :, j]).astype(np.float64)
+            for i, j in _pairs_of(len(channel.features), pairs)
+        }
+    if not first.problem.method.has_frames:
+        return result
+    return result | _word_shares(first.trials, np.stack([history.F[kept] for history in histories]))
+
+
+def skipped_iterations(fit: Fit, burn_in: float | None) -> int:
+    """How many iterations of a fit do not count, given their share; None for that of its sampler.
+
+    Raises:
+        ValueError: The share is not one from 0 to below 1.
+    """
+    share = fit.sampler.burn_in if burn_in is None else burn_in
+    if not 0 <= share < 1:
+        raise ValueError(f"burn_in = {burn_in} (must be 0 to below 1)")
+    return burned(share, len(fit.trace_log_joint))
+
+
+def _pairs_of(elements: int, pairs: int) -> list[tuple[int, int]]:
+    """Pairs of different elements, drawn by a generator of their own: they depend on the number of elements only."""
+    sample = np.random.default_rng(elements).integers(elements, size=(pairs, 2))
+    return [(int(i), int(j)) for i, j in np.unique(np.sort(sample, axis=1), axis=0) if i != j]
+
+
+def _word_shares(trials: Trials, F: Ints) -> dict[str, Floats]:
+    """(chains, draws) of each channel the share of the tokens that it explains, of all words and of each word.
+
+    Args:
+        trials: What the chains explain.
+        F: (chains, draws, T) the channel of each token; (chains, draws, 0) for a method without frames.
+    """
+    if not F.shape[2]:
+        return {}
+    heard = np.unique(trials.words[0])
+    tokens = {trials.vocabulary[w]: np.flatnonzero(trials.words[0] == w) for w in heard}
+    result = {}
+    for c, channel in enumerate(trials.channels):
+        explained = F == c
+        result[f"{FRAME}{channel.name}"] = explained.mean(axis=2)
+        result |= {
+            f"{WORD}{channel.name}_{word}": explained[:, :, places].mean(axis=2) for word, places in tokens.items()
+        }
     return result
 
 
@@ -90,15 +139,21 @@ def diagnose(quantities: Mapping[str, Floats]) -> list[Diagnosis]:
 def _diagnose_one(name: str, draws: Floats) -> Diagnosis:
     mean, sd = float(draws.mean()), float(draws.std())
     smallest = 1e-12 * float(np.abs(draws).max())
-    if np.ptp(draws) <= smallest or draws.shape[1] < 4:
-        return Diagnosis(name, mean, sd, None, None, None)
-    arviz = _arviz()
+    if np.ptp(draws) <= smallest:
+        return Diagnosis(name, mean, 0.0, None, None, None, *draws.shape)
+    if draws.shape[1] < 4:
+        return Diagnosis(name, mean, sd, None, None, None, *draws.shape)
+    arviz = import_arviz()
     with np.errstate(divide="ignore", invalid="ignore"):
-        r_hat = float(arviz.rhat(draws)) if len(draws) > 1 else np.nan
-        bulk, tail = (float(arviz.ess(draws, method=part)) for part in ("bulk", "tail"))
+        r_hat = _known(arviz.rhat(draws)) if len(draws) > 1 else None
+        bulk, tail = (_known(arviz.ess(draws, method=part)) for part in ("bulk", "tail"))
     if np.all(np.ptp(draws, axis=1) <= smallest):
         r_hat = np.inf
-    return Diagnosis(name, mean, sd, *(None if np.isnan(value) else value for value in (r_hat, bulk, tail)))
+    return Diagnosis(name, mean, sd, r_hat, bulk, tail, *draws.shape)
+
+
+def _known(value: float) -> float | None:
+    return None if np.isnan(value) else float(value)
 
 
 def rank_counts(draws: Floats, bins: int = 20) -> NDArray[np.int64]:
@@ -118,12 +173,14 @@ def rank_counts(draws: Floats, bins: int = 20) -> NDArray[np.int64]:
     return np.stack([np.bincount(row, minlength=bins) for row in index])
 
 
-def _check(fits: Sequence[Fit], burn_in: float) -> None:
-    """Raise ValueError unless the fits are chains of one posterior."""
+def check_chains(fits: Sequence[Fit]) -> None:
+    """Refuse fits that are not chains of one posterior.
+
+    Raises:
+        ValueError: There are none, or they differ in more than their draws.
+    """
     if not fits:
-        raise ValueError("diagnostics need at least one fit")
-    if not 0 <= burn_in < 1:
-        raise ValueError(f"burn_in = {burn_in} (must be 0 to below 1)")
+        raise ValueError("chains need at least one fit")
     first = fits[0]
     for number, fit in enumerate(fits[1:], start=2):
         differences = [
@@ -159,7 +216,7 @@ def _kept_iterations(fit: Fit) -> list[int]:
     return [] if fit.history is None else [int(i) for i in fit.history.iterations]
 
 
-def _arviz() -> Any:
+def import_arviz() -> Any:
     """ArviZ, imported where it is used, for it takes seconds."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FutureWarning)  # It announces its next version at every import.

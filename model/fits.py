@@ -7,6 +7,7 @@
 | `F` | F, index of a channel for each word; empty without frames | (T,) or (0,) |
 | `trace_log_joint` | log p(X, w, z, F) after each iteration | (iterations,) |
 | `trace_used` | categories in use after each iteration | (iterations, C) |
+| `trace_mean_precision` | only if learned: κ0 of each iteration | (iterations, C) |
 | `features_{x}`, `speaker_{x}` | features of the elements, speaking element per trial | (N_x, dim_x), (D,) |
 | `z_{x}` | z^x | (N_x,) |
 | `pi_{x}`, `mu_{x}`, `Sigma_{x}` | π^x, μ^x, Σ^x | (K_x,), (K_x, dim_x), (K_x, dim_x, dim_x) |
@@ -15,46 +16,37 @@
 | `sampler` | the settings of the sampler, and the generator's seed, as JSON | () |
 | `history_iteration`, `history_F` | only if kept: number of the iteration from 1, F | (H,), (H, T) |
 | `history_z_{x}` | only if kept: z^x | (H, N_x) |
+| `marginal_F` | share of the states kept after burn-in in which each channel explains a word | (T, C) |
+| `summary_z_{x}` | the partition with the least expected variation of information over them | (N_x,) |
+| `together_{x}` | share of them in which two elements share a category; only if N_x ≤ 1,000 | (N_x, N_x) |
+| `chains_log_joint` | only of several chains: `trace_log_joint` of each | (chains, iterations) |
+| `chains_used` | likewise `trace_used` | (chains, iterations, C) |
+| `chains_marginal_F` | likewise `marginal_F` | (chains, T, C) |
+
+Without kept states there is no history and no summary, without frames no `marginal_F`.
 """
 
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from data_collection.files import write_arrays
 from model.data import Channel, Floats, Ints, Trials
+from model.history import Chains, History, burned
+from model.knowledge import Knowledge, of_history, of_last, of_summary
 from model.methods import METHODS
 from model.prior import Prior
 from model.problem import Problem
 from model.samplers import Sampler, sampler_of
-from model.state import Partition, State
-
-
-@dataclass(frozen=True)
-class History:
-    """Earlier states of a chain.
-
-    Attributes:
-        iterations: (H,) after which iteration, counted from 1.
-        z: (H, N_x) z^x of each state, one array per channel.
-        F: (H, T), or (H, 0) for a method without frames.
-    """
-
-    iterations: Ints
-    z: tuple[Ints, ...]
-    F: Ints
-
-    @classmethod
-    def of(cls, iterations: Ints, states: Sequence[Partition]) -> History:
-        """Gather states."""
-        z = tuple(np.stack(parts) for parts in zip(*(state.z for state in states), strict=True))
-        return cls(iterations, z, np.stack([state.F for state in states]))
+from model.state import State
+from model.summaries import Summary
 
 
 @dataclass(frozen=True)
@@ -62,13 +54,17 @@ class Fit:
     """The last state of the best chain, and how it came about.
 
     Attributes:
-        problem: What was fitted, by which method and with which hyperparameters.
+        problem: What was fitted, by which method and with which hyperparameters, a learned κ0 as in the last
+            state.
         sampler: The sampler and its settings.
         state: The last state.
         trace_log_joint: (iterations,) log p(X, w, z, F) with parameters integrated out, after each iteration.
         trace_used: (iterations, C) number of categories in use, after each iteration.
+        trace_mean_precision: (iterations, C) κ0 of each channel where any learns it, else None.
         seed: Entropy and key of the generator's SeedSequence, if it has one.
         history: The states that were asked for, if any.
+        summary: What those after burn-in have in common; None if none were kept.
+        chains: What all chains went through, if there were several.
     """
 
     problem: Problem
@@ -76,13 +72,38 @@ class Fit:
     state: State
     trace_log_joint: Floats
     trace_used: Ints
+    trace_mean_precision: Floats | None = None
     seed: Mapping[str, Any] | None = None
     history: History | None = None
+    summary: Summary | None = None
+    chains: Chains | None = None
 
     @property
     def trials(self) -> Trials:
         """What was fitted."""
         return self.problem.trials
+
+    @cached_property
+    def kept(self) -> History | None:
+        """The kept states after burn-in; None if there are none."""
+        if self.history is None:
+            return None
+        return self.history.after(burned(self.sampler.burn_in, len(self.trace_log_joint)))
+
+    @cached_property
+    def knowledge(self) -> Knowledge:
+        """The parameters that the tasks use, as the sampler's setting `parameters` says.
+
+        Raises:
+            ValueError: They are those of kept states, and there are none.
+        """
+        if self.sampler.parameters == "draw":
+            return of_last(self.state)
+        if self.summary is None or self.kept is None:
+            raise ValueError(f"parameters: {self.sampler.parameters} needs kept states, but the fit has none")
+        if self.sampler.parameters == "mean":
+            return of_summary(self.problem, self.summary, self.kept)
+        return of_history(self.problem, self.summary, self.kept)
 
 
 def save(fit: Fit, path: Path) -> None:
@@ -102,8 +123,16 @@ def save(fit: Fit, path: Path) -> None:
         "trace_used": fit.trace_used,
         "sampler": np.array(json.dumps(fit.sampler.model_dump() | {"seed": fit.seed}, sort_keys=True)),
     }
+    if fit.trace_mean_precision is not None:
+        arrays["trace_mean_precision"] = fit.trace_mean_precision
     if fit.history is not None:
         arrays |= {"history_iteration": fit.history.iterations, "history_F": fit.history.F}
+    if fit.chains is not None:
+        arrays |= {"chains_log_joint": fit.chains.log_joint, "chains_used": fit.chains.used}
+        if fit.chains.marginals is not None:
+            arrays["chains_marginal_F"] = fit.chains.marginals
+    if fit.summary is not None and fit.summary.marginals is not None:
+        arrays["marginal_F"] = fit.summary.marginals
     for c, channel in enumerate(trials.channels):
         arrays |= {
             f"features_{channel.name}": channel.features,
@@ -118,14 +147,12 @@ def save(fit: Fit, path: Path) -> None:
         }
         if fit.history is not None:
             arrays[f"history_z_{channel.name}"] = fit.history.z[c]
-    # Named by the process: one that was orphaned by a kill may still be writing the same fit.
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with temporary.open("wb") as file:
-            np.savez_compressed(file, **arrays)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+        if fit.summary is not None:
+            arrays[f"summary_z_{channel.name}"] = fit.summary.z[c]
+            together = fit.summary.together[c]
+            if together is not None:
+                arrays[f"together_{channel.name}"] = together
+    write_arrays(path, arrays)
 
 
 def load(path: Path) -> Fit:
@@ -176,17 +203,28 @@ def _from_arrays(arrays: dict[str, Any]) -> Fit:
         log_words=tuple(_log(arrays[f"theta_{name}"]) for name in names),
         F=arrays["F"],
     )
-    history = None
+    history, summary, chains, kappa = None, None, None, arrays.get("trace_mean_precision")
     if "history_iteration" in arrays:
         z = tuple(arrays[f"history_z_{name}"] for name in names)
-        history = History(arrays["history_iteration"], z, arrays["history_F"])
+        after = arrays["history_iteration"]
+        history = History(after, z, arrays["history_F"], None if kappa is None else kappa[after - 1])
+    if f"summary_z_{names[0]}" in arrays:
+        z = tuple(arrays[f"summary_z_{name}"] for name in names)
+        together = tuple(arrays.get(f"together_{name}") for name in names)
+        summary = Summary(z, together, arrays.get("marginal_F"))
+    if "chains_log_joint" in arrays:
+        chains = Chains(arrays["chains_log_joint"], arrays["chains_used"], arrays.get("chains_marginal_F"))
     trials = Trials(channels, arrays["words"], arrays["word_trial"], vocabulary)
+    problem = Problem(trials, METHODS[str(arrays["method"])], priors)
     return Fit(
-        problem=Problem(trials, METHODS[str(arrays["method"])], priors),
+        problem=problem if kappa is None else problem.given(kappa[-1]),
         sampler=sampler_of(settings),
         state=state,
         trace_log_joint=arrays["trace_log_joint"],
         trace_used=arrays["trace_used"],
+        trace_mean_precision=kappa,
         seed=seed,
         history=history,
+        summary=summary,
+        chains=chains,
     )

@@ -37,9 +37,11 @@ class FramePrior:
 
     Attributes:
         has_frames: Whether the words have an estimated channel, and so an EAR.
+        most_per_channel: How many words of a sentence a channel may explain.
     """
 
     has_frames: ClassVar[bool] = True
+    most_per_channel: ClassVar[float] = math.inf
 
     def allowed(self, channels: int, words: int) -> Ints:
         """(frames, N) the frames of N words over C channels, here all C^N."""
@@ -79,6 +81,10 @@ class FramePrior:
         """(T,) whether channel c explains each word."""
         return np.asarray(F == c)
 
+    def counted(self, trials: Trials, F: Ints, c: int) -> Flags:
+        """(T,) whether each word counts for θ of channel c: those that it explains."""
+        return self.explained(trials, F, c)
+
     def log_scores(self, action: Floats, objects: Sequence[Floats], W: int) -> Floats:
         """Sum over the frames of an instruction, equations (26) to (28).
 
@@ -112,6 +118,8 @@ class FramePrior:
 
 class Distinct(FramePrior):
     """Each channel explains at most one word (MEC-I and II): F_d is an ordered choice of channels."""
+
+    most_per_channel = 1
 
     def allowed(self, channels: int, words: int) -> Ints:
         """(C!/(C − N)!, N) the frames in which no channel occurs twice."""
@@ -165,6 +173,25 @@ class Every(FramePrior):
         """(M, K) the log probability of all words under every channel."""
         everything = sum((sets[:, -1] for sets in objects), np.zeros(len(objects[0])))
         return np.asarray(everything[:, None] + action[:, -1])
+
+
+class Unlearned(Every):
+    """F is drawn at random at the start, any channel for any word, and never again; all words count for every θ.
+
+    It is no prior of a model: z follows the words that F sends to its channel, θ follows all words.
+    """
+
+    def draw(self, rng: np.random.Generator, trials: Trials) -> Ints:
+        """Draw F (T,), any channel for any word."""
+        return FramePrior.draw(self, rng, trials)
+
+    def explained(self, trials: Trials, F: Ints, c: int) -> Flags:
+        """(T,) whether F sends each word to channel c."""
+        return np.asarray(F == c)
+
+    def counted(self, trials: Trials, F: Ints, c: int) -> Flags:
+        """(T,) true."""
+        return np.ones(len(trials.word_trial), dtype=np.bool_)
 
 
 @lru_cache

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -23,8 +24,8 @@ from model.state import Partition, State
 
 
 def log_joint(problem: Problem, state: State) -> float:
-    """Log p(X, w, z, F, π, φ, θ) of the data and the whole state."""
-    total = problem.frame_prior.log_probability(problem.trials, state.F)
+    """Log p(X, w, z, F, π, φ, θ) of the data and the whole state, and p(κ0) where it is learned."""
+    total = problem.log_hyperprior + problem.frame_prior.log_probability(problem.trials, state.F)
     per_word = word_log_weights(problem, state.z, state.log_words)
     for c, (channel, prior) in enumerate(zip(problem.trials.channels, problem.priors, strict=True)):
         z, log_weights, K = state.z[c], state.log_weights[c], prior.categories
@@ -35,13 +36,21 @@ def log_joint(problem: Problem, state: State) -> float:
         total += float(np.sum(log_weights[z]) + np.sum(emission[np.arange(len(z)), z]))
         total += float(np.sum(giw_log_density(before, state.mean[c], state.factor[c])))
         total += dirichlet_log_density(state.log_words[c], word_prior)
-        total += float(np.sum(per_word[problem.explained(state.F, c), c]))
+        total += float(np.sum(per_word[problem.counted(state.F, c), c]))
+    return total
+
+
+def log_constant(problem: Problem, state: Partition) -> float:
+    """The part of `log_marginal_joint` that is the same for all z: log p(F), log p(κ0), and what normalises p(z)."""
+    total = problem.log_hyperprior + problem.frame_prior.log_probability(problem.trials, state.F)
+    for channel, prior in zip(problem.trials.channels, problem.priors, strict=True):
+        total += math.lgamma(prior.concentration) - math.lgamma(prior.concentration + len(channel.features))
     return total
 
 
 def log_marginal_joint(problem: Problem, state: Partition) -> float:
-    """Log p(X, w, z, F), with π, φ and θ integrated out: what fits of all samplers are compared by."""
-    total = problem.frame_prior.log_probability(problem.trials, state.F)
+    """Log p(X, w, z, F), with p(κ0) where it is learned; π, φ, θ integrated out: what all fits are compared by."""
+    total = problem.log_hyperprior + problem.frame_prior.log_probability(problem.trials, state.F)
     for c, (channel, prior) in enumerate(zip(problem.trials.channels, problem.priors, strict=True)):
         counts = word_counts(problem, c, state.z[c], state.F)
         weight, gamma = prior.concentration / prior.categories, prior.word_concentration
@@ -60,8 +69,14 @@ def _channel_log_marginal(
     return categories + emissions + count_log_marginal(words, gamma)
 
 
+def draw_mean_precision(rng: np.random.Generator, problem: Problem) -> Problem:
+    """Draw κ0 of the channels that learn it from its prior."""
+    values = [prior.mean_precisions for prior in problem.priors]
+    return problem.given(own[int(rng.integers(len(own)))] for own in values)
+
+
 def draw_parameters(rng: np.random.Generator, problem: Problem) -> State:
-    """Draw everything that is not observed from the prior.
+    """Draw everything that is not observed from the prior, given κ0.
 
     Of the trials only the layout is used: the numbers of trials, elements, words and dimensions.
     """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from model.data import Floats
 from model.distributions.gaussian_densities import gaussian_log_density
 from model.fits import Fit
 from model.log_space import log_sum, subset_log_products
+from model.state import State
 
 LONGEST_INSTRUCTION = 12
 
@@ -39,11 +40,10 @@ class Answer:
         return tuple((int(m), int(k)) for m, k in np.argwhere(best))
 
 
-def responsibilities(fit: Fit, channel: str, features: Floats) -> Floats:
-    """(N, K) log r: the log posterior of the category given features alone, r_k ∝ π_k N(x | φ_k)."""
-    c = fit.trials.index_of(channel)
+def responsibilities(state: State, c: int, features: Floats) -> Floats:
+    """(N, K) log r of channel c: the log posterior of the category given features alone, r_k ∝ π_k N(x | φ_k)."""
     rows = np.array(features, dtype=np.float64, order="C")
-    joint = fit.state.log_weights[c] + gaussian_log_density(rows, fit.state.mean[c], fit.state.factor[c])
+    joint = state.log_weights[c] + gaussian_log_density(rows, state.mean[c], state.factor[c])
     return np.asarray(joint - log_sum(joint))
 
 
@@ -51,7 +51,8 @@ def understand(fit: Fit, objects: Mapping[str, Floats], words: Sequence[str]) ->
     """Score every object and action category for an instruction, the frame F summed out.
 
     score(m, k) = (1/M) π^a_k Σ_f λ_f G_a(S_a) G_p(S_p) G_o(S_o) G_c(S_c), where the frame f sends the words S_x to
-    channel x, G_a(S) = ∏ θ^a_{k,w}, and G_x(S) = Σ_j r_j ∏ θ^x_{j,w} for the features of object m.
+    channel x, G_a(S) = ∏ θ^a_{k,w}, and G_x(S) = Σ_j r_j ∏ θ^x_{j,w} for the features of object m. Where the fit's
+    knowledge is of several states, the score is its mean over them.
 
     Args:
         fit: What was learned.
@@ -68,14 +69,20 @@ def understand(fit: Fit, objects: Mapping[str, Floats], words: Sequence[str]) ->
         raise ValueError(f"an instruction of {len(words)} words (at most {LONGEST_INSTRUCTION} are allowed)")
     known = [fit.trials.vocabulary.index(word) for word in words if word in fit.trials.vocabulary]
     ignored = tuple(word for word in words if word not in fit.trials.vocabulary)
-    action = fit.state.log_weights[0][:, None] + subset_log_products(fit.state.log_words[0][:, known])
-    by_object = [_object_sets(fit, channel, features, known) for channel, features in objects.items()]
-    scores = fit.problem.frame_prior.log_scores(action, by_object, len(fit.trials.vocabulary))
-    return Answer(np.asarray(scores - np.log(M)), ignored)
+    seen = [(fit.trials.index_of(channel), features) for channel, features in objects.items()]
+
+    def log_scores(state: State) -> Floats:
+        action = state.log_weights[0][:, None] + subset_log_products(state.log_words[0][:, known])
+        by_object = [_object_sets(state, c, features, known) for c, features in seen]
+        return fit.problem.frame_prior.log_scores(action, by_object, len(fit.trials.vocabulary))
+
+    return Answer(np.asarray(_averaged(fit, log_scores) - np.log(M)), ignored)
 
 
 def describe(fit: Fit, channel: str, features: Floats) -> tuple[str, ...]:
     """The word that a channel most probably utters for each of N elements: argmax_w Σ_j r_j θ_{j,w}.
+
+    Where the fit's knowledge is of several states, the sum is its mean over them.
 
     Args:
         fit: What was learned.
@@ -87,13 +94,26 @@ def describe(fit: Fit, channel: str, features: Floats) -> tuple[str, ...]:
     """
     if not fit.trials.vocabulary:
         raise ValueError("a description needs words, but training had none")
-    weights = responsibilities(fit, channel, features)
-    log_p = log_sum(weights[:, None, :] + fit.state.log_words[fit.trials.index_of(channel)].T[None])[..., 0]
+    c = fit.trials.index_of(channel)
+
+    def log_p_of(state: State) -> Floats:
+        weights = responsibilities(state, c, features)
+        return np.asarray(log_sum(weights[:, None, :] + state.log_words[c].T[None])[..., 0])
+
+    log_p = _averaged(fit, log_p_of)
     return tuple(fit.trials.vocabulary[int(w)] for w in np.argmax(log_p, axis=1))
 
 
-def _object_sets(fit: Fit, channel: str, features: Floats, known: list[int]) -> Floats:
-    """(M, 2^N) log G_x(S) of each object and subset of the words."""
-    weights = responsibilities(fit, channel, features)
-    products = subset_log_products(fit.state.log_words[fit.trials.index_of(channel)][:, known])
+def _averaged(fit: Fit, log_probability: Callable[[State], Floats]) -> Floats:
+    """The logarithm of the mean of probabilities over the states that the tasks use."""
+    values = [log_probability(state) for state in fit.knowledge.states]
+    if len(values) == 1:
+        return values[0]
+    return np.asarray(log_sum(np.stack(values, axis=-1))[..., 0] - np.log(len(values)))
+
+
+def _object_sets(state: State, c: int, features: Floats, known: list[int]) -> Floats:
+    """(M, 2^N) log G_x(S) of each object and subset of the words, x being channel c."""
+    weights = responsibilities(state, c, features)
+    products = subset_log_products(state.log_words[c][:, known])
     return np.asarray(log_sum(weights[:, None, :] + products.T[None])[..., 0])

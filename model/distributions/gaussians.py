@@ -63,16 +63,16 @@ def fit_category(posterior: GaussianInverseWishart, k: int, prior: GaussianPrior
             point = features[i]
             for j in range(dim):
                 deviation[j] = point[j] - centre[j]
-            _add_square(upper, deviation, 1.0)
+            add_square(upper, deviation, 1.0)
     for j in range(dim):
         deviation[j] = centre[j] - prior.mean
         posterior.mean[k, j] = (prior.mean_precision * prior.mean + count * centre[j]) / posterior.mean_precision[k]
-    _add_square(upper, deviation, prior.mean_precision * count / posterior.mean_precision[k])
+    add_square(upper, deviation, prior.mean_precision * count / posterior.mean_precision[k])
     factorise(upper, prior.scale)
 
 
 @compiled
-def _add_square(matrix: Floats, vector: Floats, weight: float) -> None:
+def add_square(matrix: Floats, vector: Floats, weight: float) -> None:
     """Add weight · v vᵀ to the upper triangle of a matrix."""
     dim = len(vector)
     for j in range(dim):

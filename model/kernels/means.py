@@ -6,25 +6,32 @@ import numpy as np
 
 from model.data import Floats
 from model.distributions.gaussians import gaussian_posterior
-from model.kernels.words import word_concentration
+from model.kernels.words import weighted_word_counts
 from model.problem import Problem
 from model.state import Partition, State
 
 
-def posterior_means(problem: Problem, state: Partition) -> State:
+def posterior_means(problem: Problem, state: Partition, marginals: Floats | None = None) -> State:
     """The state with π, φ and θ at their posterior means.
 
     Where the mean of Σ does not exist, with ν_n ≤ dim + 1 (an empty category, and ν0 ≤ dim + 1), its mode stands in.
+
+    Args:
+        problem: Data, method and hyperparameters.
+        state: z and F.
+        marginals: (T, C) how much of each word each channel explains where F is not certain; else it is as F says.
     """
     log_weights, mean, factor, log_words = [], [], [], []
     for c, (channel, prior) in enumerate(zip(problem.trials.channels, problem.priors, strict=True)):
         posterior = gaussian_posterior(channel.features, state.z[c], prior.categories, problem.gaussians[c])
         excess = posterior.degrees_of_freedom - channel.dim - 1.0
         divisor = np.where(excess > 0.0, excess, posterior.degrees_of_freedom + channel.dim + 1.0)
+        explained = problem.counted(state.F, c) if marginals is None else marginals[:, c]
+        counts = weighted_word_counts(problem, c, state.z[c], explained.astype(np.float64))
         log_weights.append(_log_means(posterior.counts + prior.concentration / prior.categories))
         mean.append(posterior.mean)
         factor.append(np.ascontiguousarray(posterior.upper.transpose(0, 2, 1)) / np.sqrt(divisor)[:, None, None])
-        log_words.append(_log_means(word_concentration(problem, c, state.z[c], state.F)))
+        log_words.append(_log_means(prior.word_concentration + counts))
     return State(state.z, state.F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
 
 

@@ -5,24 +5,29 @@ from __future__ import annotations
 import numpy as np
 
 from model.compiled import compiled
-from model.data import Flags, Floats, Ints
+from model.data import Floats, Ints
 from model.problem import Problem
 
 
 def word_counts(problem: Problem, c: int, z: Ints, F: Ints) -> Floats:
-    """(K, W) how often the words whose frame and category point at (x, k) are each word, z that of channel c."""
+    """(K, W) how often the words that count for category (x, k) are each word, z that of channel c."""
+    return weighted_word_counts(problem, c, z, problem.counted(F, c).astype(np.float64))
+
+
+def weighted_word_counts(problem: Problem, c: int, z: Ints, weights: Floats) -> Floats:
+    """(K, W) the same where channel c explains a word only in part, or with a probability: `weights` (T,), 0 to 1."""
     trials = problem.trials
     shape = problem.priors[c].categories, len(trials.vocabulary)
-    return _count_words(shape, trials.words[c], trials.word_speaker[c], problem.explained(F, c), z)
+    return _count_words(shape, trials.words[c], trials.word_speaker[c], weights, z)
 
 
 @compiled
-def _count_words(shape: tuple[int, int], words: Ints, speaker: Ints, explained: Flags, z: Ints) -> Floats:
-    """Counts of `shape` (K, W), see `word_counts`."""
+def _count_words(shape: tuple[int, int], words: Ints, speaker: Ints, weights: Floats, z: Ints) -> Floats:
+    """Counts of `shape` (K, W), see `weighted_word_counts`."""
     counts = np.zeros(shape)
     for t in range(len(words)):
-        if explained[t]:
-            counts[z[speaker[t]], words[t]] += 1.0
+        if weights[t] > 0.0:
+            counts[z[speaker[t]], words[t]] += weights[t]
     return counts
 
 

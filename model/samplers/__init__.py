@@ -13,12 +13,13 @@ from pydantic import Field, TypeAdapter
 from model.samplers.base import Sampler
 from model.samplers.blocked import Blocked
 from model.samplers.collapsed import Collapsed
+from model.samplers.mixing import Mixing
 
-Kinds = Blocked | Collapsed
+Kinds = Blocked | Collapsed | Mixing
 AnySampler = Annotated[Kinds, Field(discriminator="kind")]
 SAMPLERS: dict[str, type[Sampler[Any]]] = {kind.model_fields["kind"].default: kind for kind in get_args(Kinds)}
 
-__all__ = ["SAMPLERS", "AnySampler", "Blocked", "Collapsed", "Sampler", "sampler_of"]
+__all__ = ["SAMPLERS", "AnySampler", "Blocked", "Collapsed", "Mixing", "Sampler", "sampler_of"]
 
 
 def sampler_of(settings: Mapping[str, Any]) -> Sampler[Any]:

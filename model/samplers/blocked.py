@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 class Blocked(Sampler[State]):
     """Algorithm 1 of the paper, and how the authors' program deviates from it (docs/model.md, The samplers)."""
 
+    only_models = False
     kind: Literal["blocked"] = "blocked"
     averaged_draws: int = Field(
         default=1,
@@ -71,12 +72,20 @@ class Blocked(Sampler[State]):
             drawn = given.draw_categories(rng, problem, c, z[c], self.averaged_draws, self.empty_category)
             mean.append(drawn[0])
             factor.append(drawn[1])
-        F = given.draw_frames(rng, problem, words.word_log_weights(problem, tuple(z), state.log_words))
+        F = state.F
+        if problem.frame_prior.has_frames:
+            F = given.draw_frames(rng, problem, words.word_log_weights(problem, tuple(z), state.log_words))
         log_words = []
         for c in range(len(z)):
             concentration = words.word_concentration(problem, c, z[c], F)
             log_words.append(draw_log_dirichlet(rng, concentration, self.averaged_draws))
         return State(tuple(z), F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
+
+    def learn(self, rng: np.random.Generator, problem: Problem, state: State, iteration: int) -> Problem:
+        """Return the problem with κ0 drawn for the channels that learn it, given μ and Σ."""
+        from model.kernels.mean_precision import draw_given_gaussians
+
+        return draw_given_gaussians(rng, problem, state)
 
     def finish(self, problem: Problem, state: State) -> State:
         """Return the state as it is."""

@@ -26,6 +26,11 @@ class Collapsed(Sampler[Partition]):
         "1 is no annealing",
     )
 
+    @property
+    def annealed_share(self) -> float:
+        """Half of the iterations, with a temperature above 1."""
+        return 0.5 if self.temperature > 1 else 0.0
+
     def init(self, rng: np.random.Generator, problem: Problem) -> Partition:
         """Return a state with z by k-means and F at random."""
         from model.kernels.start import k_means
@@ -43,6 +48,10 @@ class Collapsed(Sampler[Partition]):
         for c in range(len(z)):
             z[c] = assignments.sweep_assignments(rng, problem, c, z[c], state.F, temperature)
         return Partition(tuple(z), frames.sweep_frames(rng, problem, z, state.F, temperature))
+
+    def power(self, iteration: int) -> float:
+        """One over the temperature of the iteration, at which all densities are."""
+        return 1.0 / annealed(self.temperature, iteration, self.iterations)
 
     def finish(self, problem: Problem, state: Partition) -> State:
         """Return the state with π, φ and θ at their posterior means."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,6 +29,11 @@ def test_quantities_are_label_free(fits: list[Fit]) -> None:
     i, j = (int(part) for part in pairs[0].split("_")[2:])
     assert quantities[pairs[0]][2].tolist() == (history.z[0][5:, i] == history.z[0][5:, j]).tolist()
     assert sum(quantities[f"frame_{c.name}"] for c in fits[0].trials.channels) == pytest.approx(np.ones((4, 15)))
+    words = fits[2].trials.words[0]
+    shares = [quantities[f"word_color_{word}"][2] for word in fits[2].trials.vocabulary]
+    by_hand = [(history.F[5:, words == w] == 2).mean(axis=1) for w in range(len(shares))]
+    assert fits[2].trials.channels[2].name == "color"
+    assert np.array_equal(shares, by_hand)
     # New names for the categories change nothing.
     histories = [f.history for f in fits if f.history is not None]
     others = [replace(kept, z=tuple(9 - part for part in kept.z)) for kept in histories]
@@ -35,9 +42,42 @@ def test_quantities_are_label_free(fits: list[Fit]) -> None:
         assert np.array_equal(values, quantities[name])
 
 
+def test_the_burn_in_is_the_samplers_unless_told(fits: list[Fit]) -> None:
+    sampler = fits[0].sampler.model_copy(update={"burn_in": 0.75})
+    shorter = chain_quantities([replace(f, sampler=sampler) for f in fits])
+    for name, values in chain_quantities(fits, burn_in=0.75).items():
+        assert np.array_equal(values, shorter[name])
+    assert shorter["log_joint"].shape == (4, 10)
+    assert chain_quantities(fits)["log_joint"].shape == (4, 20)
+
+
 def test_without_history_there_are_the_traces(fits: list[Fit]) -> None:
     quantities = chain_quantities([replace(f, history=None) for f in fits])
     assert sorted(quantities) == ["log_joint", "used_action", "used_color", "used_position"]
+
+
+def test_a_word_that_nobody_hears_and_a_method_without_frames_have_no_shares(trials: Trials) -> None:
+    word = trials.words[0, 0]
+    fewer = Problem.of(trials.keep_words(trials.words[0] != word), "no_mec2")
+    names = list(chain_quantities([fit(fewer, Blocked(iterations=10), np.random.default_rng(0))]))
+    assert sum(name.startswith("word_color_") for name in names) == len(trials.vocabulary) - 1
+    assert f"word_color_{trials.vocabulary[word]}" not in names
+    whole = fit(Problem.of(trials, "mmlda"), Blocked(iterations=10), np.random.default_rng(0))
+    assert not any(name.startswith(("word_", "frame_")) for name in chain_quantities([whole]))
+
+
+def test_figures_are_those_of_arviz() -> None:
+    """Also of shares, which take few values, and of chains of an odd length."""
+    arviz: Any = import_module("arviz")
+    rng = np.random.default_rng(1)
+    walks = rng.normal(size=(3, 201)).cumsum(axis=1) * 0.1
+    for draws in (rng.normal(size=(4, 100)), walks, rng.integers(3, size=(2, 40)) / 2.0):
+        (found,) = diagnose({"quantity": draws})
+        assert found.r_hat == pytest.approx(float(arviz.rhat(draws, method="rank")))
+        assert found.ess_bulk == pytest.approx(float(arviz.ess(draws, method="bulk")))
+        assert found.ess_tail == pytest.approx(float(arviz.ess(draws, method="tail")))
+        assert (found.mean, found.sd) == pytest.approx((draws.mean(), draws.std()))
+        assert (found.chains, found.draws) == draws.shape
 
 
 def test_chains_that_agree_and_chains_that_do_not() -> None:
@@ -55,6 +95,7 @@ def test_chains_that_agree_and_chains_that_do_not() -> None:
     stuck = diagnose({"stuck": np.repeat([[1.0], [1.0], [2.0], [2.0]], 500, axis=1)})[0]
     assert stuck.r_hat == np.inf
     assert (unknown.mean, unknown.r_hat, unknown.ess_bulk, unknown.ess_tail) == (1.0, None, None, None)
+    assert unknown.sd == 0
     alone = diagnose({"alone": same[:1]})[0]
     assert alone.r_hat is None
     assert alone.ess_bulk == pytest.approx(500, rel=0.2)

@@ -15,7 +15,9 @@ from model.log_space import log_sum
 
 
 def posterior_of(prior: Prior, features: Floats, z: Ints) -> GaussianInverseWishart:
-    return gaussians.gaussian_posterior(features, z, prior.categories, prior.gaussian(features.shape[1]))
+    return gaussians.gaussian_posterior(
+        features, z, prior.categories, prior.gaussian(features.shape[1], prior.mean_precisions[0])
+    )
 
 
 def scale_of(posterior: GaussianInverseWishart, k: int) -> Floats:

@@ -10,7 +10,7 @@ from scipy import stats
 
 from model import METHODS, Prior, Problem
 from model.data import Floats
-from model.joint import draw_data, draw_parameters
+from model.joint import draw_data, draw_mean_precision, draw_parameters
 from tests.model.samplers import (
     BROKEN,
     EXACT,
@@ -46,18 +46,21 @@ def independent(method: str, priors: Priors, kind: str, count: int) -> Floats:
     rng, design, sampler = np.random.default_rng(1), Problem.of(DESIGN, method, priors), EXACT[kind]
     values = []
     for _ in range(count):
-        state = draw_parameters(rng, design)
-        values.append(quantities(draw_data(rng, design, state), moved_by(sampler, state)))
+        given = draw_mean_precision(rng, design)
+        state = draw_parameters(rng, given)
+        values.append(quantities(draw_data(rng, given, state), moved_by(sampler, state)))
     return np.array(values)
 
 
 def alternating(method: str, priors: Priors, kind: str, steps: int) -> Floats:
-    """(1, steps, Q) along a chain of kernel steps, each followed by new data."""
+    """(1, steps, Q) along a chain of kernel steps: before each κ0 is drawn where it is learned, after it new data."""
     rng, design, sampler = np.random.default_rng(2), Problem.of(DESIGN, method, priors), EXACT[kind]
-    whole = draw_parameters(rng, design)
-    problem, state = draw_data(rng, design, whole), moved_by(sampler, whole)
+    given = draw_mean_precision(rng, design)
+    whole = draw_parameters(rng, given)
+    problem, state = draw_data(rng, given, whole), moved_by(sampler, whole)
     values = []
     for i in range(steps):
+        problem = sampler.learn(rng, problem, state, i)
         state = sampler.step(rng, problem, state, i)
         # Before the data are drawn anew: a block that ignores the data goes unnoticed if they follow it.
         values.append(quantities(problem, state))

@@ -126,7 +126,7 @@ def test_an_empty_table_is_refused(learned: Fit) -> None:
 
 def test_descriptions_are_the_most_probable_words(learned: Fit, scene: dict[str, Floats]) -> None:
     for c, (channel, features) in enumerate(scene.items(), start=1):
-        r = np.exp(responsibilities(learned, channel, features))
+        r = np.exp(responsibilities(learned.state, c, features))
         assert r.sum(axis=1) == pytest.approx(1.0)
         best = np.argmax(r @ np.exp(learned.state.log_words[c]), axis=1)
         assert describe(learned, channel, features) == tuple(learned.trials.vocabulary[w] for w in best)
