@@ -7,6 +7,7 @@ from pathlib import Path
 
 from data_collection.log.mcap_log import Log, LogError, read_log
 from data_collection.log.topics import TOPICS
+from data_collection.processor import begin_pinned
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -131,4 +132,5 @@ def _say(text: str, *, error: bool = False) -> None:
 
 
 if __name__ == "__main__":
+    begin_pinned()  # so that a simulation can be compared with that of a study
     sys.exit(main())

@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -55,11 +55,8 @@ def collect(
         raise ValueError("trials are counted from 1")
     with World(simulation) as world:
         for trial in trials:
-            names = (experiment, set_name, trial)
-            if set_name == "generation":
-                yield _instruct(world, names, seed, provenance)
-            else:
-                yield _act(world, names, seed, provenance)
+            one = _Trial(world, (experiment, set_name, trial), seed, provenance)
+            yield one.instruct() if set_name == "generation" else one.act()
 
 
 def execute(
@@ -83,16 +80,8 @@ def execute(
     """
     with World(simulation) as world:
         for command in commands:
-            names = (experiment, set_name, command.trial)
-            placed, _, words = _instruction(simulation, names, seed)
-            attended = command.nearest(placed)
-            world.set_up(placed, generator(seed, "collect", *names, "light"))
-            target = None if command.target is None else np.array(command.target, dtype=np.float64)
-            recording = _perform(world, names, seed, attended, target, command.finger_rate)
-            said = task.utter(generator(seed, "collect", *names, "sentence"), words)
-            noise = generator(seed, "collect", *names, "noise")
             told = {**provenance, "command": json.dumps(asdict(command), sort_keys=True)}
-            yield _log(world, names, seed, told, placed, attended, recording, said, noise)
+            yield _Trial(world, (experiment, set_name, command.trial), seed, told).obey(command)
 
 
 def calibrate(simulation: Simulation, *, experiment: str, seed: int, provenance: Mapping[str, str]) -> Log:
@@ -126,41 +115,83 @@ def mark_positions() -> Floats:
     return np.array([[x, y] for x in ahead for y in left])
 
 
-def _act(world: World, names: tuple[str, str, int], seed: int, provenance: Mapping[str, str]) -> Log:
-    simulation = world.simulation
-    placed = task.draw_scene(generator(seed, "collect", *names, "scene"), simulation)
-    plan = task.draw_plan(generator(seed, "collect", *names, "plan"), simulation, len(placed))
-    world.set_up(placed, generator(seed, "collect", *names, "light"))
-    target = None
-    if plan.moves:
-        target = world.best_grasp(plan.attended) + np.array(plan.offset)
-        target[2] = max(target[2], world.lowest_grasp)
-    recording = _perform(world, names, seed, plan.attended, target, plan.finger_rate)
-    action = task.judge(recording.outcome, simulation).action
-    words = task.channel_words(simulation, action, placed[plan.attended])
-    said = task.utter(generator(seed, "collect", *names, "sentence"), words)
-    noise = generator(seed, "collect", *names, "noise")
-    return _log(world, names, seed, provenance, placed, plan.attended, recording, said, noise)
+@dataclass(frozen=True)
+class _Trial:
+    """One trial in a world: what is drawn in it depends on its names and the seed alone."""
 
+    world: World
+    names: tuple[str, str, int]
+    seed: int
+    provenance: Mapping[str, str]
 
-def _perform(
-    world: World, names: tuple[str, str, int], seed: int, attended: int, target: Floats | None, rate: float
-) -> Recording:
-    """Act; the hand is lifted only from an object that it touches."""
-    tutor = world.simulation.tutor
-    offset = world.simulation.noise.gaze * generator(seed, "collect", *names, "gaze").normal(size=2)
-    return world.act(attended, target, rate, offset, lifts=lambda force: task.touches(force, tutor))
+    @property
+    def _simulation(self) -> Simulation:
+        return self.world.simulation
 
+    def _rng(self, purpose: str) -> np.random.Generator:
+        return generator(self.seed, "collect", *self.names, purpose)
 
-def _instruct(world: World, names: tuple[str, str, int], seed: int, provenance: Mapping[str, str]) -> Log:
-    simulation = world.simulation
-    placed, attended, words = _instruction(simulation, names, seed)
-    world.set_up(placed, generator(seed, "collect", *names, "light"))
-    recording = world.rest()
-    said = task.utter(generator(seed, "collect", *names, "sentence"), words)
-    noise = generator(seed, "collect", *names, "noise")
-    action = {word: outcome for outcome, word in simulation.actions.items()}[words[ACTION]]
-    return _log(world, names, seed, provenance, placed, attended, recording, said, noise, action)
+    def act(self) -> Log:
+        """Act on the robot's own account; the tutor says what happened."""
+        placed = task.draw_scene(self._rng("scene"), self._simulation)
+        plan = task.draw_plan(self._rng("plan"), self._simulation, len(placed))
+        self.world.set_up(placed, self._rng("light"))
+        target = None
+        if plan.moves:
+            target = self.world.best_grasp(plan.attended) + np.array(plan.offset)
+            target[2] = max(target[2], self.world.lowest_grasp)
+        recording = self._perform(plan.attended, target, plan.finger_rate)
+        action = task.judge(recording.outcome, self._simulation).action
+        words = task.channel_words(self._simulation, action, placed[plan.attended])
+        return self._log(placed, plan.attended, recording, words)
+
+    def instruct(self) -> Log:
+        """Rest; the tutor says what to do."""
+        placed, attended, words = _instruction(self._simulation, self.names, self.seed)
+        self.world.set_up(placed, self._rng("light"))
+        action = {word: outcome for outcome, word in self._simulation.actions.items()}[words[ACTION]]
+        return self._log(placed, attended, self.world.rest(), words, action)
+
+    def obey(self, command: task.Command) -> Log:
+        """Carry out an action in the scene of an instruction."""
+        placed, _, words = _instruction(self._simulation, self.names, self.seed)
+        attended = command.nearest(placed)
+        self.world.set_up(placed, self._rng("light"))
+        target = None if command.target is None else np.array(command.target, dtype=np.float64)
+        return self._log(placed, attended, self._perform(attended, target, command.finger_rate), words)
+
+    def _perform(self, attended: int, target: Floats | None, rate: float) -> Recording:
+        """Act; the hand is lifted only from an object that it touches."""
+        tutor = self._simulation.tutor
+        offset = self._simulation.noise.gaze * self._rng("gaze").normal(size=2)
+        return self.world.act(attended, target, rate, offset, lifts=lambda force: task.touches(force, tutor))
+
+    def _log(
+        self,
+        placed: Sequence[task.Placed],
+        attended: int,
+        recording: Recording,
+        words: dict[str, str],
+        instructed: str | None = None,
+    ) -> Log:
+        simulation = self._simulation
+        truth: dict[str, Any] = {"objects": task.describe(placed), "attended": attended}
+        if instructed is None:
+            judged = task.judge(recording.outcome, simulation)
+            truth_outcome = vars(recording.outcome) | vars(judged) | {"word": simulation.actions[judged.action]}
+        else:
+            truth_outcome = {"action": instructed, "word": simulation.actions[instructed]}
+        start, end = recording.start, recording.end
+        messages = [
+            Message(topics.CAMERA, start, believed(generator(self.seed, "camera", self.names[0]), simulation.camera)),
+            Message(topics.ROBOT_DESCRIPTION, start, self.world.description),
+            Message(topics.TRUTH_SCENE, start, json.dumps(truth, sort_keys=True)),
+            *recording.messages(self._rng("noise"), simulation),
+            Message(topics.SENTENCE, end, " ".join(task.utter(self._rng("sentence"), words))),
+            Message(topics.TRUTH_OUTCOME, end, json.dumps(truth_outcome, sort_keys=True)),
+        ]
+        messages.sort(key=lambda message: message.time)
+        return Log(_metadata(simulation, self.names, self.seed, self.provenance), tuple(messages))
 
 
 def _instruction(
@@ -177,38 +208,6 @@ def _instruction(
     action = actions[int(turns[2][(trial - 1 + (trial - 1) // len(actions)) % len(actions)])]
     placed, attended = task.draw_instruction(generator(seed, "collect", *names, "scene"), simulation, kind, place)
     return placed, attended, task.channel_words(simulation, action, placed[attended])
-
-
-def _log(
-    world: World,
-    names: tuple[str, str, int],
-    seed: int,
-    provenance: Mapping[str, str],
-    placed: Sequence[task.Placed],
-    attended: int,
-    recording: Recording,
-    said: Sequence[str],
-    noise: np.random.Generator,
-    instructed: str | None = None,
-) -> Log:
-    simulation = world.simulation
-    truth: dict[str, Any] = {"objects": task.describe(placed), "attended": attended}
-    if instructed is None:
-        judged = task.judge(recording.outcome, simulation)
-        truth_outcome = vars(recording.outcome) | vars(judged) | {"word": simulation.actions[judged.action]}
-    else:
-        truth_outcome = {"action": instructed, "word": simulation.actions[instructed]}
-    start, end = recording.start, recording.end
-    messages = [
-        Message(topics.CAMERA, start, believed(generator(seed, "camera", names[0]), simulation.camera)),
-        Message(topics.ROBOT_DESCRIPTION, start, world.description),
-        Message(topics.TRUTH_SCENE, start, json.dumps(truth, sort_keys=True)),
-        *recording.messages(noise, simulation),
-        Message(topics.SENTENCE, end, " ".join(said)),
-        Message(topics.TRUTH_OUTCOME, end, json.dumps(truth_outcome, sort_keys=True)),
-    ]
-    messages.sort(key=lambda message: message.time)
-    return Log(_metadata(simulation, names, seed, provenance), tuple(messages))
 
 
 def _metadata(

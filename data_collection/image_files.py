@@ -1,12 +1,24 @@
 """Pictures and animations as files, which appear only when they are complete."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import numpy as np
 from PIL import Image as Pillow
 
 from data_collection.files import replacing
 from data_collection.log.messages import Image
+
+
+def mosaic(rows: Sequence[Iterable[Image]], columns: int, cell: tuple[int, int]) -> Image:
+    """Return pictures in rows on white, each at the upper left of a cell of this height and width."""
+    height, width = cell
+    page = np.full((len(rows) * height, columns * width, 3), 255, dtype=np.uint8)
+    for i, row in enumerate(rows):
+        for j, picture in enumerate(row):
+            top, left = i * height, j * width
+            page[top : top + picture.shape[0], left : left + picture.shape[1]] = picture
+    return page
 
 
 def save_png(path: Path, image: Image) -> None:

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -55,26 +56,13 @@ def regenerate(log: Log) -> Log:
             raise ValueError(f"seed {seed}, trial {trial}: from 0, and from 1 to {MAX_TRIAL:,}, are expected")
     except (ValueError, TypeError, RecursionError) as error:
         raise LogError(f"{log.source}: its metadata do not fit this version:\n{error}") from error
-    experiment, set_name = log.metadata["experiment"], log.metadata["set"]
-    provenance = _provenance(log.metadata)
+    set_name = log.metadata["set"]
+    told: Any = {"experiment": log.metadata["experiment"], "seed": seed, "provenance": _provenance(log.metadata)}
     if set_name == "calibration":
-        return calibrate(simulation, experiment=experiment, seed=seed, provenance=provenance)
+        return calibrate(simulation, **told)
     if commands:
-        return next(
-            execute(
-                simulation,
-                experiment=experiment,
-                set_name=set_name,
-                seed=seed,
-                commands=commands,
-                provenance=provenance,
-            )
-        )
-    return next(
-        collect(
-            simulation, experiment=experiment, set_name=set_name, trials=[trial], seed=seed, provenance=provenance
-        )
-    )
+        return next(execute(simulation, set_name=set_name, commands=commands, **told))
+    return next(collect(simulation, set_name=set_name, trials=[trial], **told))
 
 
 def _provenance(metadata: Mapping[str, str]) -> dict[str, str]:
@@ -90,5 +78,5 @@ def _same(one: object, other: object) -> bool:
     if isinstance(one, tuple) and isinstance(other, tuple):
         return len(one) == len(other) and all(_same(left, right) for left, right in zip(one, other, strict=True))
     if dataclasses.is_dataclass(one):
-        return all(_same(getattr(one, item.name), getattr(other, item.name)) for item in dataclasses.fields(one))
+        return _same(tuple(vars(one).values()), tuple(vars(other).values()))
     return one == other

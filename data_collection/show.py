@@ -8,6 +8,7 @@ import numpy as np
 
 from data_collection import task
 from data_collection.apparatus import ObjectKind
+from data_collection.image_files import mosaic
 from data_collection.log import topics
 from data_collection.log.mcap_log import Log
 from data_collection.log.messages import Image, JointState
@@ -88,13 +89,8 @@ def contact_sheet(logs: Sequence[Log], columns: int = 3) -> Image:
     tiles = [strip(log, only=(True, False, True)) for log in logs]
     height = max(tile.shape[0] for tile in tiles)
     width = max(tile.shape[1] for tile in tiles)
-    rows = math.ceil(len(tiles) / columns)
-    pitch = width + _GAP
-    page = np.full((rows * height, columns * pitch - _GAP, 3), 255, dtype=np.uint8)
-    for number, tile in enumerate(tiles):
-        top, left = number // columns * height, number % columns * pitch
-        page[top : top + tile.shape[0], left : left + tile.shape[1]] = tile
-    return page
+    rows = [tiles[first : first + columns] for first in range(0, len(tiles), columns)]
+    return mosaic(rows, columns, (height, width + _GAP))[:, :-_GAP]
 
 
 def gallery(simulation: Simulation, *, width: int = 900, height: int = 420) -> Image:

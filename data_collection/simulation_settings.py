@@ -4,7 +4,6 @@
 ahead, y left), angles in degrees where named so, forces in newtons, times in seconds, colors 0..1.
 """
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
@@ -141,7 +140,3 @@ class Simulation(StrictModel):
             for word in sorted(said[first] & said[second])
         )
         return found
-
-    def to_json(self) -> str:
-        """Return all settings as canonical JSON, defaults included."""
-        return json.dumps(self.model_dump(), sort_keys=True, separators=(",", ":"))

@@ -1,5 +1,6 @@
 """What all settings have in common: a closed, frozen model that takes nothing for something else."""
 
+import json
 from typing import Annotated, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -22,6 +23,10 @@ class StrictModel(BaseModel):
         regex_engine="python-re",
         protected_namespaces=(),
     )
+
+    def to_json(self) -> str:
+        """Return all settings as canonical JSON, defaults included: the same text for the same settings."""
+        return json.dumps(self.model_dump(), sort_keys=True, separators=(",", ":"))
 
 
 LISTED = Field(strict=False)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +13,7 @@ import pytest
 import yaml
 from filelock import FileLock
 
-from data_collection.episode import calibrate, collect
-from data_collection.log.mcap_log import Log, read_log, write_log
+from data_collection.log.mcap_log import Log, read_log
 from data_collection.simulation_settings import Simulation
 from tests.workflow.runs import SMOKE, run
 
@@ -51,22 +52,16 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> None:
 
 @pytest.fixture(scope="session", params=["simulator", "real"])
 def simulated(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Simulated:
-    """200 trials of each experiment, simulated once a test run, also where several processes share the tests.
-
-    The seed is one that nothing was developed on.
-    """
+    """200 trials of each experiment, simulated once a test run, also where several processes share the tests."""
     base = tmp_path_factory.getbasetemp()
     base = base.parent if hasattr(request.config, "workerinput") else base
     made = Simulated(request.param, simulation_of(request.param), base / f"simulated_{request.param}")
-    common = {"experiment": request.param, "seed": 2017, "provenance": dict[str, str]()}
     with FileLock(f"{made.folder}.lock"):
         if not (made.folder / "calibration.mcap").is_file():
             made.folder.mkdir()
-            for i, log in enumerate(
-                collect(made.simulation, set_name="train", trials=range(1, TRIALS + 1), **common)
-            ):
-                write_log(made.folder / f"trial_{i + 1:04}.mcap", log)
-            write_log(made.folder / "calibration.mcap", calibrate(made.simulation, **common))
+            line = [sys.executable, "-m", "tests.simulate", made.experiment, str(made.folder), str(TRIALS)]
+            settings = made.simulation.model_dump_json()
+            subprocess.run(line, cwd=STUDY.parents[1], input=settings, text=True, check=True)
     return made
 
 

@@ -4,6 +4,7 @@ import json
 import shutil
 import tempfile
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +50,7 @@ def _write(folder: Path, logs: Sequence[Path]) -> None:
     path = folder / "data/chunk-000/file-000.parquet"
     path.parent.mkdir(parents=True)
     writer = None
-    try:
+    with ExitStack() as stack:
         for episode in episodes(logs):
             shape = episode.pictures[0].shape
             if size is not None and shape != size:
@@ -62,15 +63,12 @@ def _write(folder: Path, logs: Sequence[Path]) -> None:
                 raise LogError(f"{episode.source} {says}")
             task = tasks.setdefault(episode.task, len(tasks))
             table = frames_table(episode, len(rows), start, task, rate)
-            writer = writer or parquet.ParquetWriter(path, table.schema, compression="zstd")
+            writer = writer or stack.enter_context(parquet.ParquetWriter(path, table.schema, compression="zstd"))
             writer.write_table(table)
             statistics.add(episode, table)
             count = table.num_rows
             rows.append(episode_row(len(rows), episode.task, start, count))
             start += count
-    finally:
-        if writer is not None:
-            writer.close()
     if size is None:
         raise LogError("none of the logs holds a trial")
     write_episodes(folder / "meta/episodes/chunk-000/file-000.parquet", rows)

@@ -2,6 +2,8 @@
 
 import functools
 import io
+from collections.abc import Callable
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -60,6 +62,92 @@ def decode_image(data: bytes) -> Image:
     return np.ascontiguousarray(image[:, :, ::-1])
 
 
+Header = Callable[..., Any]
+"""Gives the header of a message, in the frame of its topic or in another one."""
+
+
+def _new(name: str, *fields: Any) -> Any:
+    """A message, whose fields stand in the order of its definition."""
+    return _store().types[name.replace("/", "/msg/")](*fields)
+
+
+def _vector(name: str, axes: str, numbers: Floats) -> Any:
+    return _store().types[f"geometry_msgs/msg/{name}"](**dict(zip(axes, map(float, numbers), strict=True)))
+
+
+def _pose(pose: Floats) -> Any:
+    return _new("geometry_msgs/Pose", _vector("Point", "xyz", pose[:3]), _vector("Quaternion", "xyzw", pose[3:]))
+
+
+def _transform(item: Transform, header: Header) -> Any:
+    moved, turned = _vector("Vector3", "xyz", item.pose[:3]), _vector("Quaternion", "xyzw", item.pose[3:])
+    inner = _new("geometry_msgs/Transform", moved, turned)
+    return _new("geometry_msgs/TransformStamped", header(item.parent), item.child, inner)
+
+
+def _camera_fields(value: CameraInfo, header: Header) -> tuple[Any, ...]:
+    projection = np.hstack([value.K, np.zeros((3, 1))])
+    no_region, no_binning = _new("sensor_msgs/RegionOfInterest", 0, 0, 0, 0, False), (0, 0)
+    matrices = value.D, value.K.ravel(), np.eye(3).ravel(), projection.ravel()
+    return (header(value.frame), value.height, value.width, "plumb_bob", *matrices, *no_binning, no_region)
+
+
+def _camera(message: Any) -> CameraInfo:
+    matrix, frame = _floats(message.k).reshape(3, 3), str(message.header.frame_id)
+    return CameraInfo(int(message.width), int(message.height), matrix, _floats(message.d), frame)
+
+
+def _floats(values: Any) -> Floats:
+    return np.array(values, dtype=np.float64)
+
+
+def _numbers(place: Any, turn: Any) -> Floats:
+    return np.array([*attrgetter(*"xyz")(place), *attrgetter(*"xyzw")(turn)])
+
+
+# By type: the fields of a message from a value, and the value from a message.
+_CODECS: dict[str, tuple[Callable[[Any, Header], tuple[Any, ...]], Callable[[Any], Value]]] = {
+    topics.TEXT: (lambda value, header: (str(value),), lambda message: str(message.data)),
+    topics.NUMBER: (lambda value, header: (float(value),), lambda message: float(message.data)),
+    topics.NUMBERS: (
+        lambda value, header: (_new("std_msgs/MultiArrayLayout", [], 0), _floats(value)),
+        lambda message: _floats(message.data),
+    ),
+    topics.POINT: (
+        lambda value, header: (header(), _vector("Point", "xyz", value)),
+        lambda message: np.array(attrgetter(*"xyz")(message.point)),
+    ),
+    topics.POSE: (
+        lambda value, header: (header(), _pose(value)),
+        lambda message: _numbers(message.pose.position, message.pose.orientation),
+    ),
+    topics.POSES: (
+        lambda value, header: (header(), [_pose(row) for row in _floats(value).reshape(-1, 7)]),
+        lambda message: _floats([_numbers(one.position, one.orientation) for one in message.poses]).reshape(-1, 7),
+    ),
+    topics.IMAGE: (
+        lambda value, header: (header(), "png", np.frombuffer(encode_png(np.asarray(value, np.uint8)), np.uint8)),
+        lambda message: decode_image(message.data.tobytes()),
+    ),
+    topics.JOINT_STATE: (
+        lambda value, header: (header(), list(value.names), value.position, value.velocity, np.zeros(0)),
+        lambda message: JointState(tuple(message.name), _floats(message.position), _floats(message.velocity)),
+    ),
+    topics.CAMERA_INFO: (_camera_fields, _camera),
+    topics.TRANSFORMS: (
+        lambda value, header: ([_transform(one, header) for one in value],),
+        lambda message: tuple(
+            Transform(
+                str(one.header.frame_id),
+                str(one.child_frame_id),
+                _numbers(one.transform.translation, one.transform.rotation),
+            )
+            for one in message.transforms
+        ),
+    ),
+}
+
+
 def encode(type_name: str, value: Value, time: int, frame: str) -> bytes:
     """Return `value` as a CDR message of a type in `TOPICS`.
 
@@ -68,71 +156,19 @@ def encode(type_name: str, value: Value, time: int, frame: str) -> bytes:
         value: Decoded value, as `decode` gives it.
         time: Stamp of the header, nanoseconds.
         frame: Frame of the header.
+
+    Raises:
+        TypeError: The value is none of that type.
     """
-    store = _store()
-    types = store.types
 
     def header(name: str = frame) -> Any:
-        stamp = types["builtin_interfaces/msg/Time"](sec=time // NANOSECONDS, nanosec=time % NANOSECONDS)
-        return types["std_msgs/msg/Header"](stamp=stamp, frame_id=name)
+        return _new("std_msgs/Header", _new("builtin_interfaces/Time", *divmod(time, NANOSECONDS)), name)
 
-    def point(numbers: Floats) -> Any:
-        x, y, z = (float(number) for number in numbers)
-        return types["geometry_msgs/msg/Point"](x=x, y=y, z=z)
-
-    def quaternion(numbers: Floats) -> Any:
-        x, y, z, w = (float(number) for number in numbers)
-        return types["geometry_msgs/msg/Quaternion"](x=x, y=y, z=z, w=w)
-
-    def pose(numbers: Floats) -> Any:
-        return types["geometry_msgs/msg/Pose"](position=point(numbers[:3]), orientation=quaternion(numbers[3:]))
-
-    def transform(item: Transform) -> Any:
-        x, y, z = (float(number) for number in item.pose[:3])
-        inner = types["geometry_msgs/msg/Transform"](
-            translation=types["geometry_msgs/msg/Vector3"](x=x, y=y, z=z), rotation=quaternion(item.pose[3:])
-        )
-        return types["geometry_msgs/msg/TransformStamped"](
-            header=header(item.parent), child_frame_id=item.child, transform=inner
-        )
-
-    kind = types[type_name]
-    message: Any
-    if type_name == topics.TEXT:
-        message = kind(data=str(value))
-    elif type_name == topics.NUMBER:
-        message = kind(data=float(value))  # type: ignore[arg-type]
-    elif type_name == topics.NUMBERS:
-        layout = types["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
-        message = kind(layout=layout, data=np.asarray(value, dtype=np.float64))
-    elif type_name == topics.POINT:
-        message = kind(header=header(), point=point(np.asarray(value)))
-    elif type_name == topics.POSE:
-        message = kind(header=header(), pose=pose(np.asarray(value)))
-    elif type_name == topics.POSES:
-        message = kind(header=header(), poses=[pose(row) for row in np.asarray(value).reshape(-1, 7)])
-    elif type_name == topics.IMAGE:
-        data = np.frombuffer(encode_png(np.asarray(value, dtype=np.uint8)), dtype=np.uint8)
-        message = kind(header=header(), format="png", data=data)
-    elif isinstance(value, JointState):
-        empty = np.zeros(0)
-        message = kind(
-            header=header(), name=list(value.names), position=value.position, velocity=value.velocity, effort=empty
-        )
-    elif isinstance(value, CameraInfo):
-        projection = np.hstack([value.K, np.zeros((3, 1))])
-        region = types["sensor_msgs/msg/RegionOfInterest"](
-            x_offset=0, y_offset=0, height=0, width=0, do_rectify=False
-        )
-        message = kind(
-            header=header(value.frame), height=value.height, width=value.width,
-            distortion_model="plumb_bob", d=value.D, k=value.K.ravel(), r=np.eye(3).ravel(), p=projection.ravel(),
-            binning_x=0, binning_y=0, roi=region,
-        )  # fmt: skip
-    elif type_name == topics.TRANSFORMS and isinstance(value, tuple):
-        message = kind(transforms=[transform(item) for item in value])
-    else:
-        raise TypeError(f"a {type(value).__name__} is no {type_name}")
+    store = _store()
+    try:
+        message = store.types[type_name](*_CODECS[type_name][0](value, header))
+    except (AttributeError, TypeError) as error:
+        raise TypeError(f"a {type(value).__name__} is no {type_name}") from error
     return bytes(store.serialize_cdr(message, type_name))
 
 
@@ -142,46 +178,4 @@ def decode(type_name: str, data: bytes) -> Value:
     Raises:
         ValueError: An image cannot be decoded; damaged CDR raises errors of other types too.
     """
-    message = _store().deserialize_cdr(data, type_name)
-    if type_name == topics.TEXT:
-        return str(message.data)
-    if type_name == topics.NUMBER:
-        return float(message.data)
-    if type_name == topics.NUMBERS:
-        return np.array(message.data, dtype=np.float64)
-    if type_name == topics.POINT:
-        return np.array([message.point.x, message.point.y, message.point.z])
-    if type_name == topics.POSE:
-        return _pose(message.pose.position, message.pose.orientation)
-    if type_name == topics.POSES:
-        rows = [_pose(item.position, item.orientation) for item in message.poses]
-        return np.array(rows, dtype=np.float64).reshape(-1, 7)
-    if type_name == topics.IMAGE:
-        return decode_image(message.data.tobytes())
-    if type_name == topics.JOINT_STATE:
-        return JointState(
-            tuple(message.name),
-            np.array(message.position, dtype=np.float64),
-            np.array(message.velocity, dtype=np.float64),
-        )
-    if type_name == topics.CAMERA_INFO:
-        matrix = np.array(message.k, dtype=np.float64).reshape(3, 3)
-        distortion = np.array(message.d, dtype=np.float64)
-        return CameraInfo(int(message.width), int(message.height), matrix, distortion, str(message.header.frame_id))
-    if type_name == topics.TRANSFORMS:
-        return tuple(
-            Transform(
-                str(item.header.frame_id),
-                str(item.child_frame_id),
-                _pose(item.transform.translation, item.transform.rotation),
-            )
-            for item in message.transforms
-        )
-    raise ValueError(f"messages of type {type_name} cannot be decoded")
-
-
-def _pose(position: Any, orientation: Any) -> Floats:
-    return np.array(
-        [position.x, position.y, position.z, orientation.x, orientation.y, orientation.z, orientation.w],
-        dtype=np.float64,
-    )
+    return _CODECS[type_name][1](_store().deserialize_cdr(data, type_name))

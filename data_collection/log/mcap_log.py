@@ -102,21 +102,16 @@ def _write(stream: IO[bytes], log: Log) -> None:
     writer.start(profile="ros2", library=_LIBRARY)
     ids: dict[str, int] = {}
     schemas: dict[str, int] = {}
-    sequence: dict[str, int] = {}
+    count: Counter[str] = Counter()
     for message in log.messages:
         topic, form = message.topic, BY_TOPIC[message.topic].value
         if form.type not in schemas:
             schemas[form.type] = writer.register_schema(form.type, "ros2msg", codec.definition(form.type))
         if topic not in ids:
             ids[topic] = writer.register_channel(topic, "cdr", schemas[form.type])
-        sequence[topic] = sequence.get(topic, -1) + 1
-        writer.add_message(
-            channel_id=ids[topic],
-            log_time=message.time,
-            publish_time=message.time,
-            sequence=sequence[topic],
-            data=codec.encode(form.type, message.value, message.time, form.frame),
-        )
+        data = codec.encode(form.type, message.value, message.time, form.frame)
+        writer.add_message(ids[topic], message.time, data, publish_time=message.time, sequence=count[topic])
+        count[topic] += 1
     writer.add_metadata(METADATA_NAME, dict(sorted(log.metadata.items())))
     writer.finish()
 

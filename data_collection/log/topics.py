@@ -113,18 +113,20 @@ _PLACE = Value(POINT, "(3,)", "m", ROOT_FRAME, 3, -_REACH, _REACH)
 _POSE = Value(POSE, "(7,)", _METRES, ROOT_FRAME, 7, -_REACH, _REACH)
 _RATE = Value(NUMBER, "()", "0 open .. 1 closed", "", None, 0.0, 1.0)
 _WORDS = Value(TEXT, "words", "separated by blanks")
+_INTRINSICS = Value(CAMERA_INFO, "K (3, 3), D (5,)", "pixels", CAMERA_FRAME)
+_LINKS = Value(TRANSFORMS, "n × (7,)", _METRES, ROOT_FRAME)
+_URDF = Value(TEXT, "URDF", "")
+_SCENE = Value(TEXT, "JSON", "m", ROOT_FRAME)
+_OUTCOME = Value(TEXT, "JSON", "m, N", ROOT_FRAME)
+_OBJECTS = Value(POSES, "(M, 7)", _METRES, ROOT_FRAME, None, -_REACH, _REACH)
+_DOTS = Value(POSES, "(N, 7)", _METRES, ROOT_FRAME, None, -_REACH, _REACH)
+_GRID = Value(TEXT, "JSON", "")
 
 TOPICS: tuple[Topic, ...] = (
     Topic(IMAGE_BEFORE, _PICTURE, "objects on the table, rest posture", _BOTH, once=True),
     Topic(IMAGE_GAZE, _PICTURE, "while the robot looks at the object", _TRIAL, once=True),
     Topic(IMAGE_AFTER, _PICTURE, "when the action is over", _TRIAL, once=True),
-    Topic(
-        CAMERA,
-        Value(CAMERA_INFO, "K (3, 3), D (5,)", "pixels", CAMERA_FRAME),
-        "intrinsics as the robot knows them",
-        _ALL,
-        once=True,
-    ),
+    Topic(CAMERA, _INTRINSICS, "intrinsics as the robot knows them", _ALL, once=True),
     Topic(JOINT_STATES, _ENCODERS, "encoders at a fixed rate; the last one is the end of the action", _BOTH),
     Topic(JOINT_LOWER, _LIMITS, "lower limits of the joints", _BOTH, once=True),
     Topic(JOINT_UPPER, _LIMITS, "upper limits of the joints", _BOTH, once=True),
@@ -134,52 +136,21 @@ TOPICS: tuple[Topic, ...] = (
     Topic(FINGER_RATE, _RATE, "commanded bend of the five fingers", _TRIAL, once=True),
     Topic(GAZE_TARGET, _PLACE, "commanded fixation point", _TRIAL, once=True),
     Topic(SENTENCE, _WORDS, "what the tutor says, may be empty", _BOTH, once=True),
-    Topic(
-        TF, Value(TRANSFORMS, "n × (7,)", _METRES, ROOT_FRAME), "poses of the links and of the camera", optional=_ALL
-    ),
-    Topic(
-        ROBOT_DESCRIPTION,
-        Value(TEXT, "URDF", ""),
-        "the robot, meshes by package:// paths",
-        optional=_ALL,
-        once=True,
-    ),
-    Topic(
-        TRUTH_SCENE,
-        Value(TEXT, "JSON", "m", ROOT_FRAME),
-        "objects, their words and positions, the attended one",
-        optional=_BOTH,
-        once=True,
-    ),
-    Topic(
-        TRUTH_POSES,
-        Value(POSES, "(M, 7)", _METRES, ROOT_FRAME, None, -_REACH, _REACH),
-        "poses of the objects with each joint state",
-        optional=_BOTH,
-    ),
-    Topic(
-        TRUTH_OUTCOME,
-        Value(TEXT, "JSON", "m, N", ROOT_FRAME),
-        "what physically happened and the action word for it",
-        optional=_BOTH,
-        once=True,
-    ),
+    Topic(TF, _LINKS, "poses of the links and of the camera", optional=_ALL),
+    Topic(ROBOT_DESCRIPTION, _URDF, "the robot, meshes by package:// paths", optional=_ALL, once=True),
+    Topic(TRUTH_SCENE, _SCENE, "objects, their words and positions, the attended one", optional=_BOTH, once=True),
+    Topic(TRUTH_POSES, _OBJECTS, "poses of the objects with each joint state", optional=_BOTH),
+    Topic(TRUTH_OUTCOME, _OUTCOME, "what physically happened and the action word for it", optional=_BOTH, once=True),
     Topic(CALIBRATION_EMPTY, _PICTURE, "empty table, rest posture", _CALIBRATION, once=True),
     Topic(CALIBRATION_MARKS, _PICTURE, "dark dots on the table, rest posture", _CALIBRATION, once=True),
     Topic(
         CALIBRATION_POSITIONS,
-        Value(POSES, "(N, 7)", _METRES, ROOT_FRAME, None, -_REACH, _REACH),
+        _DOTS,
         "measured positions of the dots, by rows from far to near, each from left to right",
         _CALIBRATION,
         once=True,
     ),
-    Topic(
-        CALIBRATION_PATTERN,
-        Value(TEXT, "JSON", ""),
-        'grid of the dots: {"rows": r, "columns": c}',
-        _CALIBRATION,
-        once=True,
-    ),
+    Topic(CALIBRATION_PATTERN, _GRID, 'grid of the dots: {"rows": r, "columns": c}', _CALIBRATION, once=True),
 )
 
 BY_TOPIC: dict[str, Topic] = {topic.name: topic for topic in TOPICS}

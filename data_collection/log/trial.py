@@ -4,18 +4,16 @@ import json
 import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from data_collection.limits import WORD_RULE, is_word
 from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError
-from data_collection.log.messages import CameraInfo, Floats, Image, JointState, Value
+from data_collection.log.messages import CameraInfo, Floats, Image, JointState
 from data_collection.log.topics import LogKind
 from data_collection.log.validation import kind_of, problems
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -113,25 +111,23 @@ def observation(log: Log) -> Observation:
     last = _last(log, kind)
     if kind == "calibration":
         raise LogError(f"{log.source}: this is a calibration log, not one of a trial")
-    joints, lower, upper = (
-        _typed(last, topic, JointState) for topic in (topics.JOINT_STATES, topics.JOINT_LOWER, topics.JOINT_UPPER)
-    )
+    joints: JointState = last[topics.JOINT_STATES]
     gaze = last.get(topics.GAZE_TARGET)
     return Observation(
         trial=int(log.metadata["trial"]),
-        image_before=_typed(last, topics.IMAGE_BEFORE, np.ndarray),
-        image_gaze=last.get(topics.IMAGE_GAZE),  # type: ignore[arg-type]
-        image_after=last.get(topics.IMAGE_AFTER),  # type: ignore[arg-type]
-        camera=_typed(last, topics.CAMERA, CameraInfo),
+        image_before=last[topics.IMAGE_BEFORE],
+        image_gaze=last.get(topics.IMAGE_GAZE),
+        image_after=last.get(topics.IMAGE_AFTER),
+        camera=last[topics.CAMERA],
         joint_names=joints.names,
         joint_positions=joints.position,
-        joint_lower=lower.position,
-        joint_upper=upper.position,
-        tactile=_typed(last, topics.TACTILE, np.ndarray),
-        hand_position=_typed(last, topics.HAND_POSE, np.ndarray)[:3],
-        finger_rate=float(last.get(topics.FINGER_RATE, 0.0)),  # type: ignore[arg-type]
-        gaze_target=None if gaze is None else np.asarray(gaze, dtype=np.float64)[:2],
-        words=tuple(_typed(last, topics.SENTENCE, str).split()),
+        joint_lower=last[topics.JOINT_LOWER].position,
+        joint_upper=last[topics.JOINT_UPPER].position,
+        tactile=last[topics.TACTILE],
+        hand_position=last[topics.HAND_POSE][:3],
+        finger_rate=float(last.get(topics.FINGER_RATE, 0.0)),
+        gaze_target=None if gaze is None else gaze[:2],
+        words=tuple(last[topics.SENTENCE].split()),
     )
 
 
@@ -162,15 +158,13 @@ def truth(log: Log) -> Truth | None:
         )
         if not np.isfinite(result.positions).all():
             raise ValueError("a position is not finite")
+        if not 0 <= result.attended < len(objects):
+            raise ValueError(f"attended is {result.attended}, there are {len(objects)} objects")
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise LogError(
             f"{log.source}: {topics.TRUTH_SCENE} or {topics.TRUTH_OUTCOME} is not as documented "
             f"({type(error).__name__}: {error})"
         ) from error
-    if not 0 <= result.attended < len(objects):
-        raise LogError(
-            f"{log.source}: {topics.TRUTH_SCENE}: attended is {result.attended}, there are {len(objects)} objects"
-        )
     return result
 
 
@@ -188,29 +182,22 @@ def calibration(log: Log) -> Calibration:
         LogError: Lists every missing topic and every bad value, also when the log is one of a trial.
     """
     last = _last(log, "calibration")
-    poses = _typed(last, topics.CALIBRATION_POSITIONS, np.ndarray)
-    pattern = json.loads(_typed(last, topics.CALIBRATION_PATTERN, str))
+    poses = last[topics.CALIBRATION_POSITIONS]
+    pattern = json.loads(last[topics.CALIBRATION_PATTERN])
     return Calibration(
-        image_empty=_typed(last, topics.CALIBRATION_EMPTY, np.ndarray),
-        image_marks=_typed(last, topics.CALIBRATION_MARKS, np.ndarray),
+        image_empty=last[topics.CALIBRATION_EMPTY],
+        image_marks=last[topics.CALIBRATION_MARKS],
         mark_positions=poses[:, :2],
         mark_rows=int(pattern["rows"]),
         mark_columns=int(pattern["columns"]),
         table_height=float(np.median(poses[:, 2])),
-        camera=_typed(last, topics.CAMERA, CameraInfo),
+        camera=last[topics.CAMERA],
     )
 
 
-def _last(log: Log, kind: LogKind) -> dict[str, Value]:
+def _last(log: Log, kind: LogKind) -> dict[str, Any]:
     """Return the last value on each topic, after the whole log was checked."""
     found = problems(log, kind)
     if found:
         raise LogError("\n".join(found))
     return {message.topic: message.value for message in log.messages}
-
-
-def _typed(last: Mapping[str, Value], topic: str, kind: type[T]) -> T:
-    value = last[topic]
-    if not isinstance(value, kind):
-        raise LogError(f"{topic} holds a {type(value).__name__}")
-    return value

@@ -39,7 +39,7 @@ class Finger:
 
 # Finger lengths and limits follow left_hand_mk3 of icub-models (proximal 30 mm, thumb shorter).
 FINGERS = (
-    Finger("thumb", (-0.046, -0.018, 0.004), math.radians(97), (0.026, 0.022), (1.0, 0.0, 0.0), math.radians(110)),
+    Finger("thumb", (-0.046, -0.018, 0.004), math.radians(97), (0.026, 0.022), (-1.0, 0.0, 0.0), math.radians(110)),
     Finger("index", (0.032, -0.025, 0.0), 0.0, (0.034, 0.030), (0.0, 0.0, -1.0), math.radians(15)),
     Finger("middle", (0.034, -0.008, 0.0), 0.0, (0.036, 0.032), None, 0.0),
     Finger("ring", (0.032, 0.009, 0.0), 0.0, (0.034, 0.030), (0.0, 0.0, 1.0), math.radians(8)),
@@ -62,12 +62,12 @@ PALM_DEPTH = GRASP_CENTRE[2] - PALM_CENTRE[2] - PALM_SIZE[2] / 2
 
 def _capsule(length: float, radius: float, color: str) -> list[Shape]:
     """Shapes of a phalanx along x: a cylinder with a ball at either end."""
-    cylinder = solid("cylinder", radius=f"{radius}", length=f"{length}")
-    ball = solid("sphere", radius=f"{radius}")
+    cylinder = solid("cylinder", radius=radius, length=length)
+    ball = solid("sphere", radius=radius)
     return [
         (at((length / 2, 0.0, 0.0), (0.0, math.pi / 2, 0.0)), cylinder, color, True),
         (at((length, 0.0, 0.0)), ball, color, True),
-        (at((0.0, 0.0, 0.0)), solid("sphere", radius=f"{radius * 1.05}"), DARK, False),
+        (at(), solid("sphere", radius=radius * 1.05), DARK, False),
     ]
 
 
@@ -77,12 +77,8 @@ def add_hand(robot: ElementTree.Element) -> None:
     for visual in rigid.findall("visual"):
         rigid.remove(visual)
     palm = (at(PALM_CENTRE), solid("box", size=numbers(PALM_SIZE)), SKIN, True)
-    wrist = (
-        at((-0.062, 0.0, -0.003), (0.0, math.pi / 2, 0.0)),
-        solid("cylinder", radius="0.02", length="0.03"),
-        DARK,
-        False,
-    )
+    across = at((-0.062, 0.0, -0.003), (0.0, math.pi / 2, 0.0))
+    wrist = (across, solid("cylinder", radius=0.02, length=0.03), DARK, False)
     add_link(robot, PALM_LINK, 0.15, [palm, wrist])
     palm_frame = at((-0.05765429784, -0.0055568, 0.01369383231), (-math.pi / 2, -math.radians(15), math.pi))
     add_joint(robot, "r_palm_fixed", "r_hand", PALM_LINK, palm_frame)
@@ -93,48 +89,23 @@ def add_hand(robot: ElementTree.Element) -> None:
 
 
 def _add_finger(robot: ElementTree.Element, finger: Finger) -> None:
-    parent, origin = PALM_LINK, at(finger.base, (0.0, 0.0, -finger.direction))
+    thumb = finger.name == "thumb"
+    straight, turned = (0.0, 0.0, 0.0), (0.0, 0.0, -finger.direction)
+    parent, origin = PALM_LINK, at(finger.base, turned)
     if finger.spread_axis is not None:
-        knuckle = f"r_{finger.name}_knuckle"
-        ball = (at((0.0, 0.0, 0.0)), solid("sphere", radius=f"{FINGER_RADIUS * 1.1}"), DARK, False)
-        add_link(robot, knuckle, 0.01, [ball])
-        if finger.name == "thumb":
-            # Opposition turns about the palm's x: the joint's frame is the palm's, the direction follows after it.
-            add_joint(
-                robot,
-                "r_thumb_oppose",
-                PALM_LINK,
-                knuckle,
-                at(finger.base),
-                (-1.0, 0.0, 0.0),
-                (0.0, finger.spread_limit),
-            )
-            origin = at((0.0, 0.0, 0.0), (0.0, 0.0, -finger.direction))
-        else:
-            add_joint(
-                robot,
-                f"r_{finger.name}_spread",
-                PALM_LINK,
-                knuckle,
-                origin,
-                finger.spread_axis,
-                (0.0, finger.spread_limit),
-            )
-            origin = at((0.0, 0.0, 0.0))
-        parent = knuckle
+        parent = f"r_{finger.name}_knuckle"
+        add_link(robot, parent, 0.01, [(at(), solid("sphere", radius=FINGER_RADIUS * 1.1), DARK, False)])
+        # Opposition turns about the palm's x: the joint's frame is the palm's, the direction follows after it.
+        name, before, after = ("oppose", straight, turned) if thumb else ("spread", turned, straight)
+        frame, limits = at(finger.base, before), (0.0, finger.spread_limit)
+        add_joint(robot, f"r_{finger.name}_{name}", PALM_LINK, parent, frame, finger.spread_axis, limits)
+        origin = at(rpy=after)
     # The fingers bend out of the palm's plane; the thumb bends in it, so that once opposed it closes on them.
-    axis = (0.0, 0.0, 1.0) if finger.name == "thumb" else (0.0, -1.0, 0.0)
+    axis = (0.0, 0.0, 1.0) if thumb else (0.0, -1.0, 0.0)
     proximal, distal = f"r_{finger.name}_proximal_phalanx", f"r_{finger.name}_distal_phalanx"
     add_link(robot, proximal, 0.02, _capsule(finger.lengths[0], FINGER_RADIUS, SKIN), (finger.lengths[0] / 2, 0, 0))
     add_joint(robot, f"r_{finger.name}_proximal", parent, proximal, origin, axis, (0.0, BEND_LIMIT))
     tip = _capsule(finger.lengths[1], FINGER_RADIUS * 0.95, SKIN)
     add_link(robot, distal, 0.015, tip, (finger.lengths[1] / 2, 0, 0))
-    add_joint(
-        robot,
-        f"r_{finger.name}_distal",
-        proximal,
-        distal,
-        at((finger.lengths[0], 0.0, 0.0)),
-        axis,
-        (0.0, BEND_LIMIT),
-    )
+    knuckle = at((finger.lengths[0], 0.0, 0.0))
+    add_joint(robot, f"r_{finger.name}_distal", proximal, distal, knuckle, axis, (0.0, BEND_LIMIT))

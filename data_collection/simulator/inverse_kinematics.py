@@ -6,7 +6,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from data_collection.log.messages import Floats
 from data_collection.simulator import hand_model, robot_model
@@ -17,6 +16,12 @@ _GAZE = HEAD[[0, 2, 3, 4]]
 _VERGENCE = HEAD[5]
 _REACH_EASE = 0.005 * np.array([3.0, 4.0, 2.0, 1.0, 1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
 _GAZE_EASE = 0.05 * np.array([1.0, 1.0, 1.0, 2.0])
+
+_FROM_LIMIT = 1e-3
+"""Solutions keep this far from the joints' limits, radians."""
+_STEPS, _STILL, _DAMPING, _STIFF = 60, 1e-3, 1e-5, 1e8
+"""Of the solver: most steps; the step, radians, that is the last; its least and its largest damping."""
+_Function = Callable[[Floats], Floats]
 
 
 def reach(robot: Kinematics, position: Floats, start: Floats, comfortable: Floats) -> Floats:
@@ -92,11 +97,34 @@ def _between(left: Pose) -> Pose:
     return Pose(left.position + offset, left.axes, left.linear + cross(left.angular.T, offset).T, left.angular)
 
 
-def _solve(robot: Kinematics, residual, slope, start: Floats, free: NDArray[np.intp]) -> Floats:  # type: ignore[no-untyped-def]
-    low, high = robot.lower[free] + 1e-3, robot.upper[free] - 1e-3
-    first = np.clip(start[free], low + 1e-6, high - 1e-6)
-    solved = least_squares(residual, first, jac=slope, bounds=(low, high), max_nfev=60, xtol=1e-6, ftol=1e-9)
-    return np.asarray(solved.x, dtype=np.float64)
+def _solve(robot: Kinematics, residual: _Function, slope: _Function, start: Floats, free: NDArray[np.intp]) -> Floats:
+    """Return the angles (F,) that make the squares of a residual least, within the limits of the free joints.
+
+    Levenberg and Marquardt's damped steps; angles that would leave their limits stay there.
+    """
+    low, high = robot.lower[free] + _FROM_LIMIT, robot.upper[free] - _FROM_LIMIT
+    angles = np.clip(start[free], low, high)
+    left, damping, unit = residual(angles), _DAMPING, np.eye(len(free))
+    for _ in range(_STEPS):
+        slopes = slope(angles)
+        gradient, curvature = slopes.T @ left, slopes.T @ slopes
+        held = ((angles <= low) & (gradient > 0.0)) | ((angles >= high) & (gradient < 0.0))
+        gradient[held], curvature[held], curvature[:, held] = 0.0, 0.0, 0.0
+        curvature[held, held] = 1.0
+        while damping < _STIFF:
+            step = np.linalg.solve(curvature + damping * unit, -gradient)
+            tried = np.clip(angles + step, low, high)
+            remains = residual(tried)
+            if remains @ remains < left @ left:
+                break
+            damping *= 10.0
+        else:
+            return angles
+        moved = np.abs(tried - angles).max()
+        angles, left, damping = tried, remains, max(damping / 10.0, _DAMPING)
+        if moved < _STILL:
+            break
+    return angles
 
 
 def _remembered(pose: Callable[[Floats], Pose]) -> Callable[[Floats], Pose]:

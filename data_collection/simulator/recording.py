@@ -24,6 +24,10 @@ _TOUCH_AVERAGE = 24
 """Physics steps over which contact forces are averaged: 0.1 s, the skin's own low-pass."""
 
 
+_LOOK_EVERY, _NEAR = 6, 0.05
+"""So often, in steps, a gliding hand looks whether anything is so near, metres: it cannot pass at up to 2 m/s."""
+
+
 @dataclass(frozen=True)
 class Sample:
     """What the robot senses of itself at one time."""
@@ -61,12 +65,9 @@ class Recording:
         """Return the messages of the log, with the noise of camera, encoders and skin, in time order."""
         noise = simulation.noise
         found = [Message(topic, time, expose(rng, image, simulation.camera)) for topic, time, image in self.pictures]
-        none = np.zeros(0)
-        for topic, limit in (
-            (topics.JOINT_LOWER, self.kinematics.lower),
-            (topics.JOINT_UPPER, self.kinematics.upper),
-        ):
-            found.append(Message(topic, self.start, JointState(JOINT_NAMES, limit, none)))
+        limits = {topics.JOINT_LOWER: self.kinematics.lower, topics.JOINT_UPPER: self.kinematics.upper}
+        for topic, limit in limits.items():
+            found.append(Message(topic, self.start, JointState(JOINT_NAMES, limit, np.zeros(0))))
         for sample in self.samples:
             read = sample.position + rng.normal(size=sample.position.shape) * math.radians(noise.joints)
             felt = np.clip(sample.touch + rng.normal(size=sample.touch.shape) * noise.tactile, 0.0, 1.0)
@@ -87,16 +88,24 @@ class Recorder:
         client: PyBullet client.
         robot: The acting robot.
         objects: PyBullet's numbers of the objects.
+        table: PyBullet's number of the table.
         picture: Renders what the left eye sees now.
         simulation: Settings.
     """
 
     def __init__(
-        self, client: Any, robot: Robot, objects: Sequence[int], picture: Callable[[], Image], simulation: Simulation
+        self,
+        client: Any,
+        robot: Robot,
+        objects: Sequence[int],
+        table: int,
+        picture: Callable[[], Image],
+        simulation: Simulation,
     ) -> None:
         self._client = client
         self._robot = robot
         self._objects = objects
+        self._around = (table, *objects)
         self._picture = picture
         self._simulation = simulation
         self._step = 0
@@ -105,6 +114,8 @@ class Recorder:
         self._pictures: list[tuple[str, int, Image]] = []
         self._commands: list[Message] = []
         self._forces: list[dict[int, Floats]] = []
+        # Nothing moves but the robot until it comes near to something: from then on, all that happens is physics.
+        self._glides = not robot.near(self._around, _NEAR)
         self.rest_hand = robot.link_pose(hand_model.GRASP_LINK)[:3]
         self.sample()
 
@@ -132,12 +143,14 @@ class Recorder:
         """Keep what the robot senses of itself now, once."""
         if self._samples and self._samples[-1].time == self.now():
             return
+        self._shown()
         position, velocity = self._robot.joint_state()
         poses = np.array([scene.object_pose(self._client, body) for body in self._objects]).reshape(-1, 7)
         self._samples.append(Sample(self.now(), position, velocity, self._touch(), poses))
 
     def snapshot(self, topic: str) -> None:
         """Take a picture, and note where the links are."""
+        self._shown()
         self._pictures.append((topic, self.now(), self._picture()))
         transforms = [Transform(topics.ROOT_FRAME, name, pose) for name, pose in self._robot.link_poses()] + [
             Transform(robot_model.LEFT_EYE_LINK, topics.CAMERA_FRAME, np.array([0.0, 0.0, 0.0, *_OPTICAL]))
@@ -162,13 +175,25 @@ class Recorder:
         )  # fmt: skip
 
     def _advance(self, angles: Floats, velocities: Floats) -> None:
-        self._robot.drive(angles, velocities)
-        self._client.stepSimulation()
         self._step += 1
-        self._forces.append(self._robot.contact_forces(self._objects))
+        if self._glides:
+            self._robot.glide(angles, velocities)
+            self._forces.append({})
+            if self._step % _LOOK_EVERY == 0:
+                self._robot.show()
+                self._glides = not self._robot.near(self._around, _NEAR)
+        else:
+            self._robot.drive(angles, velocities)
+            self._client.stepSimulation()
+            self._forces.append(self._robot.contact_forces(self._objects))
         del self._forces[:-_TOUCH_AVERAGE]
         if self._step % self._every == 0:
             self.sample()
+
+    def _shown(self) -> None:
+        """Let the physics engine, which is asked for joints, links and pictures, know where the robot is."""
+        if self._glides:
+            self._robot.show()
 
     def _touch(self) -> Floats:
         """Return the nine touch values in 0..1."""

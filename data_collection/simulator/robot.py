@@ -11,7 +11,7 @@ import numpy as np
 from data_collection.log.messages import Floats
 from data_collection.simulator import hand_model
 from data_collection.simulator.kinematics import Kinematics, rotation
-from data_collection.simulator.scene import quiet
+from data_collection.simulator.scene import TIME_STEP, quiet
 
 _TORSO_TORQUE, _NECK_TORQUE, _ARM_TORQUE = 60.0, 20.0, 12.0
 _POSITION_GAIN, _VELOCITY_GAIN = 0.35, 1.0
@@ -50,6 +50,7 @@ class Robot:
         self._torque = np.array([_torque(name) for name in kinematics.model_joints])
         self._position_gains = np.full(len(self._joints), _POSITION_GAIN)
         self._velocity_gains = np.full(len(self._joints), _VELOCITY_GAIN)
+        self._turned = self._turning = np.zeros(len(self._joints))
         self._tips = [self.links[f"r_{finger.name}_distal_phalanx"] for finger in hand_model.FINGERS]
 
     def set_finger_torque(self, torque: float, friction: float) -> None:
@@ -62,8 +63,28 @@ class Robot:
 
     def place(self, angles: Floats) -> None:
         """Put all joints at `angles` (25,) at once, at rest: to begin a trial, or to draw what was recorded."""
-        for joint, angle in zip(self._joints, self.kinematics.to_model @ angles, strict=True):
-            self._client.resetJointState(self.body, joint, angle, 0.0)
+        self._turned = self.kinematics.to_model @ angles
+        self._turning = np.zeros(len(self._turned))
+        self.show()
+
+    def glide(self, angles: Floats, velocities: Floats) -> None:
+        """Move by one step as `drive` does where nothing is touched, without the physics: from where `place` put it.
+
+        The motors hold gravity, so that a step's velocity is the one that they are told.
+        """
+        missing = self.kinematics.to_model @ angles - self._turned
+        self._turning = _POSITION_GAIN * missing / TIME_STEP + self.kinematics.to_model @ velocities
+        self._turned = self._turned + TIME_STEP * self._turning
+
+    def show(self) -> None:
+        """Tell the physics engine where the gliding robot is, and how fast."""
+        self._client.resetJointStatesMultiDof(
+            self.body, self._joints, self._turned[:, None].tolist(), self._turning[:, None].tolist()
+        )
+
+    def near(self, bodies: Sequence[int], distance: float) -> bool:
+        """Return whether any part that can touch is nearer to a body than a distance, metres, as last shown."""
+        return any(self._client.getClosestPoints(self.body, body, distance) for body in bodies)
 
     def drive(self, angles: Floats, velocities: Floats) -> None:
         """Send the motors to `angles` (25,) with `velocities` (25,) as feed-forward, radians and seconds."""

@@ -124,7 +124,7 @@ def _add_arm_collision(robot: ElementTree.Element) -> None:
     forearm = find_link(robot, "r_forearm")
     collision = ElementTree.SubElement(forearm, "collision")
     collision.append(at((-0.045, 0.0, 0.012), (0.0, math.radians(75) - math.pi, 0.0)))
-    collision.append(solid("cylinder", radius="0.028", length="0.11"))
+    collision.append(solid("cylinder", radius=0.028, length=0.11))
 
 
 def _add_eyes(robot: ElementTree.Element) -> None:
@@ -136,8 +136,8 @@ def _add_eyes(robot: ElementTree.Element) -> None:
     frame = at(EYES_IN_HEAD, (-math.pi / 2, -math.pi / 2, 0.0))
     add_joint(robot, "eyes_tilt", "head", EYES_LINK, frame, (0.0, -1.0, 0.0), (math.radians(-35), math.radians(15)))
     for name, side in ((LEFT_EYE_LINK, 1.0), ("r_eye", -1.0)):
-        ball = (at((0.0, 0.0, 0.0)), solid("sphere", radius="0.018"), _WHITE, False)
-        pupil = (at((0.012, 0.0, 0.0)), solid("sphere", radius="0.008"), _PUPIL, False)
+        ball = (at(), solid("sphere", radius=0.018), _WHITE, False)
+        pupil = (at((0.012, 0.0, 0.0)), solid("sphere", radius=0.008), _PUPIL, False)
         add_link(robot, name, 0.01, [ball, pupil])
         origin = at((0.0, side * EYE_BASELINE / 2, 0.0))
         add_joint(

@@ -8,6 +8,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ import numpy as np
 
 from data_collection.apparatus import Camera, Light, Table
 from data_collection.log.messages import Floats, Image
-from data_collection.shapes import Mesh, Shape, build, wavefront
+from data_collection.shapes import Mesh, Shape, build, sheet, wavefront
 from data_collection.strict_model import Color
 from data_collection.task import Placed
 
@@ -102,31 +103,34 @@ def intrinsics(camera: Camera) -> Floats:
     return np.array([[focal, 0.0, camera.width / 2], [0.0, focal, camera.height / 2 - 1], [0.0, 0.0, 1.0]])
 
 
-def add_table(client: Any, table: Table) -> None:
-    """Add the table's top, its legs and the floor."""
+def _seen(client: Any, kind: int, color: Sequence[float], **form: Any) -> int:
+    """Return a new dull visual shape."""
+    return int(client.createVisualShape(kind, rgbaColor=[*color, 1.0], specularColor=[0, 0, 0], **form))
+
+
+def add_table(client: Any, table: Table) -> int:
+    """Add the table's top, its legs and the floor; return the body number of the top."""
     top = [(table.far - table.near) / 2, table.width / 2, 0.01]
     centre = [(table.far + table.near) / 2, 0.0, table.height - 0.01]
     shape = client.createCollisionShape(client.GEOM_BOX, halfExtents=top)
-    visual = client.createVisualShape(
-        client.GEOM_BOX, halfExtents=top, rgbaColor=[*table.color, 1.0], specularColor=[0, 0, 0]
+    body: int = client.createMultiBody(
+        0.0, shape, _seen(client, client.GEOM_BOX, table.color, halfExtents=top), centre
     )
-    body = client.createMultiBody(0.0, shape, visual, centre)
     client.changeDynamics(body, -1, lateralFriction=0.8, restitution=0.0)
     if table.cloth > 0.0:
         _cover(client, body, weave(table))
-    floor = client.createVisualShape(
-        client.GEOM_BOX, halfExtents=[3.0, 3.0, 0.01], rgbaColor=[0.45, 0.43, 0.42, 1.0], specularColor=[0, 0, 0]
-    )
-    client.createMultiBody(0.0, -1, floor, [0.0, 0.0, _FLOOR - 0.01])
+    with tempfile.TemporaryDirectory() as folder:
+        floor = _visual(client, Path(folder, "floor.obj"), sheet(6.0, 6), (0.45, 0.43, 0.42), 0.0)
+        client.createMultiBody(0.0, -1, floor, [0.0, 0.0, _FLOOR])
     depth = (table.height - 0.02 - _FLOOR) / 2
-    leg = client.createVisualShape(
-        client.GEOM_BOX, halfExtents=[0.02, 0.02, depth], rgbaColor=[0.35, 0.33, 0.32, 1.0]
-    )
+    leg = _seen(client, client.GEOM_BOX, (0.35, 0.33, 0.32), halfExtents=[0.02, 0.02, depth])
     for x in (table.near + 0.03, table.far - 0.03):
         for y in (-table.width / 2 + 0.03, table.width / 2 - 0.03):
             client.createMultiBody(0.0, -1, leg, [x, y, _FLOOR + depth])
+    return body
 
 
+@lru_cache(maxsize=4)
 def weave(table: Table) -> Image:
     """Return the cloth's picture (512, 512, 3): crossing threads, blotches and stripes around the table's color."""
     rng = np.random.default_rng(20170001)  # the same cloth in every trial, calibration and process
@@ -146,20 +150,14 @@ def _cover(client: Any, body: int, picture: Image) -> None:
 
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder, "cloth.png"))
-        cv2.imwrite(path, picture[:, :, ::-1])
+        cv2.imwrite(path, picture[:, :, ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 0])
         texture = client.loadTexture(path)
     client.changeVisualShape(body, -1, textureUniqueId=texture, rgbaColor=[1.0, 1.0, 1.0, 1.0])
 
 
 def add_marks(client: Any, positions: Floats, height: float, radius: float) -> None:
     """Add flat dark dots (N, 2) on the table."""
-    dot = client.createVisualShape(
-        client.GEOM_CYLINDER,
-        radius=radius,
-        length=_MARK_HEIGHT,
-        rgbaColor=[0.05, 0.05, 0.05, 1.0],
-        specularColor=[0, 0, 0],
-    )
+    dot = _seen(client, client.GEOM_CYLINDER, (0.05, 0.05, 0.05), radius=radius, length=_MARK_HEIGHT)
     for x, y in positions:
         client.createMultiBody(0.0, -1, dot, [x, y, height + _MARK_HEIGHT / 2])
 
@@ -238,11 +236,4 @@ def _collision(client: Any, path: Path, shape: Shape) -> int:
 
 def _visual(client: Any, path: Path, mesh: Mesh, color: Sequence[float], middle: float) -> int:
     path.write_text(wavefront(mesh, -middle), encoding="ascii")
-    return int(
-        client.createVisualShape(
-            client.GEOM_MESH,
-            fileName=str(path),
-            rgbaColor=[*(mesh.tone * channel for channel in color), 1.0],
-            specularColor=[0, 0, 0],
-        )
-    )
+    return _seen(client, client.GEOM_MESH, [mesh.tone * channel for channel in color], fileName=str(path))

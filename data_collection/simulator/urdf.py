@@ -12,15 +12,15 @@ def numbers(values: Sequence[float]) -> str:
     return " ".join(f"{value:.9g}" for value in values)
 
 
-def at(xyz: Sequence[float], rpy: Sequence[float] = (0.0, 0.0, 0.0)) -> ElementTree.Element:
+def at(xyz: Sequence[float] = (0.0, 0.0, 0.0), rpy: Sequence[float] = (0.0, 0.0, 0.0)) -> ElementTree.Element:
     """The origin of a shape or joint: where it is, and how it is turned (roll, pitch, yaw)."""
     return ElementTree.Element("origin", {"xyz": numbers(xyz), "rpy": numbers(rpy)})
 
 
-def solid(kind: str, **sizes: str) -> ElementTree.Element:
+def solid(kind: str, **sizes: float | str) -> ElementTree.Element:
     """The geometry of a shape: `box`, `cylinder` or `sphere` with its sizes."""
     geometry = ElementTree.Element("geometry")
-    ElementTree.SubElement(geometry, kind, sizes)
+    ElementTree.SubElement(geometry, kind, {name: str(size) for name, size in sizes.items()})
     return geometry
 
 

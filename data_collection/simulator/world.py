@@ -1,7 +1,9 @@
 """Robot, table and objects together: set up a scene, carry out an action, record what the robot senses."""
 
 import math
+import tempfile
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
@@ -16,10 +18,16 @@ from data_collection.simulator.kinematics import HAND, Kinematics, rotation
 from data_collection.simulator.postures import COMFORTABLE, REST, angles_of
 from data_collection.simulator.recording import Recorder, Recording, smooth
 from data_collection.simulator.robot import Robot, finger_angles
+from data_collection.simulator.simple_meshes import with_simple_meshes
 from data_collection.task import Outcome, Placed
 
 _PALM_GAP = 0.003
 """Between palm and top of the object in the best grasp, metres."""
+_OWN_CELL, _OUTSIDE_CELL = 0.006, 0.002
+"""Vertices of the robot's meshes that share a cube of this side, metres, are one: as its own eyes and others see it.
+
+From outside, joints are seen whose parts lie less than 6 mm inside each other.
+"""
 _SETTLING = 24
 """Physics steps that objects are given to come to rest."""
 
@@ -35,7 +43,9 @@ class World:
     def __init__(self, simulation: Simulation, *, whole_robot: bool = False) -> None:
         self.simulation = simulation
         self.description = robot_model.robot_urdf(meshes=False)
-        self._urdf = robot_model.robot_urdf(own_view=not whole_robot)
+        self._folder = tempfile.TemporaryDirectory()
+        drawn = robot_model.robot_urdf(own_view=not whole_robot)
+        self._urdf = with_simple_meshes(drawn, Path(self._folder.name), _OUTSIDE_CELL if whole_robot else _OWN_CELL)
         self.client: Any = scene.connect()
         self.kinematics = Kinematics(self.description)
         self.rest_angles = angles_of(REST, self.kinematics)
@@ -51,8 +61,9 @@ class World:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Close the client."""
+        """Close the client, and remove its files."""
         self.client.disconnect()
+        self._folder.cleanup()
 
     def set_up(self, placed: Sequence[Placed], light: np.random.Generator | None) -> None:
         """Empty the world, put the robot at rest and the objects on the table, and let them settle.
@@ -69,7 +80,7 @@ class World:
         if light is not None:
             self._direction = self._direction + lamp.direction_spread * light.normal(size=3)
             self._brightness = max(0.3, 1.0 + lamp.brightness_spread * float(light.normal()))
-        scene.add_table(self.client, settings.table)
+        self._table = scene.add_table(self.client, settings.table)
         self.placed = tuple(placed)
         self.objects = [
             scene.add_object(
@@ -209,7 +220,7 @@ class World:
         return float(scene.object_pose(self.client, body)[2] - low)
 
     def _recorder(self) -> Recorder:
-        return Recorder(self.client, self.robot, self.objects, self.picture, self.simulation)
+        return Recorder(self.client, self.robot, self.objects, self._table, self.picture, self.simulation)
 
     def _clear(self) -> None:
         scene.reset(self.client)
