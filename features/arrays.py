@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from data_collection.files import replacing
+from data_collection.files import write_arrays
 from features.size_limits import MAX_ARRAYS_BYTES
 
 
@@ -26,8 +26,7 @@ def save_arrays(path: Path, kind: str, arrays: Mapping[str, NDArray[Any]]) -> No
         kind: What the arrays are together; checked when they are read.
         arrays: Numbers, booleans or text.
     """
-    with replacing(path) as (temporary,), temporary.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, kind=np.array(kind), **arrays)
+    write_arrays(path, {"kind": np.array(kind), **arrays})
 
 
 def load_arrays(path: Path, kind: str, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:

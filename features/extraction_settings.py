@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
@@ -85,7 +84,3 @@ class FeatureSettings(StrictModel):
         le=50,
         description="rim of a mask, in pixels, that does not count for shape and color: it mixes with the table",
     )
-
-    def canonical(self) -> str:
-        """Return the settings as JSON, the same text for the same settings."""
-        return json.dumps(self.model_dump(), sort_keys=True, separators=(",", ":"))

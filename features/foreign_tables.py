@@ -34,7 +34,9 @@ def load_apart(paths: Mapping[str, Path]) -> dict[str, tuple[Any, list[str]]]:
         By the same keys: the Arrow table, or None if the file cannot be read, and the problems of file and types.
     """
     root = str(Path(__file__).resolve().parents[1])
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}
+    # An empty part would be the current folder, whose modules would come before Python's own.
+    places = os.pathsep.join(filter(None, [root, *os.environ.get("PYTHONPATH", "").split(os.pathsep)]))
+    environment = os.environ | {"PYTHONPATH": places}
     environment |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}  # each thread reserves address space
     with tempfile.TemporaryDirectory() as folder:
         outs = {key: Path(folder) / key for key in paths}

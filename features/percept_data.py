@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -112,7 +112,7 @@ def first(percepts: Percepts, D: int) -> Percepts:
     return Percepts(**values)
 
 
-def join(parts: Sequence[Percepts]) -> Percepts:
+def join(parts: Iterable[Percepts]) -> Percepts:
     """Join the trials of several percepts, in order of their numbers.
 
     Raises:

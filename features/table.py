@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from data_collection.files import replacing
 from features.table_check import problems_of_tables
-from features.table_columns import EXPECTED, FILES, Column
+from features.table_columns import EXPECTED, FILES, Column, Words
 from features.table_files import conform, load, numbers
 
 Texts = tuple[str | None, ...]
@@ -85,11 +85,7 @@ class FeatureTable:
 
 
 def check_table(
-    trials: Path | str,
-    objects: Path | str,
-    *,
-    words: Mapping[str, Sequence[str]] | None = None,
-    need_attention: bool,
+    trials: Path | str, objects: Path | str, *, words: Words | None = None, need_attention: bool
 ) -> list[str]:
     """List every breach of the contract in two files: file, column, row, what is expected.
 
@@ -107,11 +103,7 @@ def check_table(
 
 
 def import_table(
-    trials: Path | str,
-    objects: Path | str,
-    *,
-    words: Mapping[str, Sequence[str]] | None = None,
-    need_attention: bool,
+    trials: Path | str, objects: Path | str, *, words: Words | None = None, need_attention: bool
 ) -> FeatureTable:
     """Read a feature table of unknown origin, in child processes with limited memory; see `check_table`.
 
@@ -139,7 +131,7 @@ def read_table(trials: Path | str, objects: Path | str, *, need_attention: bool)
 def _sound_table(
     paths: tuple[Path, Path],
     read: Sequence[tuple[Any, list[str]]],
-    words: Mapping[str, Sequence[str]] | None,
+    words: Words | None,
     need_attention: bool,
 ) -> FeatureTable:
     """The table of two files, given as Arrow tables with the problems of reading them.
@@ -148,9 +140,7 @@ def _sound_table(
         TableError: There are such problems, or the values break the contract.
     """
     (trials, trials_problems), (objects, objects_problems) = read
-    problems = problems_of_tables(
-        (str(paths[0]), str(paths[1])), trials, objects, need_attention=need_attention, words=words
-    )
+    problems = problems_of_tables(paths, trials, objects, need_attention=need_attention, words=words)
     if problems := [*trials_problems, *objects_problems, *problems]:
         raise TableError(problems)
     trials = trials.sort_by("trial")
@@ -190,7 +180,7 @@ def write_table(
     problems = []
     for path, part, columns in zip(paths, parts, FILES.values(), strict=True):
         problems += conform(str(path), part, columns)[1]
-    problems += problems_of_tables((str(paths[0]), str(paths[1])), *parts, need_attention=False)
+    problems += problems_of_tables(paths, *parts, need_attention=False)
     if problems:
         raise TableError(problems)
     with replacing(*paths) as temporary:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +13,7 @@ from numpy.typing import NDArray
 
 from data_collection.limits import WORD_RULE, is_word
 from features.size_limits import MAX_NUMBER, MAX_VECTOR_LENGTH
-from features.table_columns import EXPECTED, FILES, Column
+from features.table_columns import EXPECTED, FILES, Column, Words
 from features.table_files import nulls, numbers
 
 MAX_ROWS_NAMED = 20
@@ -20,12 +23,7 @@ COLOR_SUM_TOLERANCE = 1e-6
 
 
 def problems_of_tables(
-    files: tuple[str, str],
-    trials: Any,
-    objects: Any,
-    *,
-    need_attention: bool,
-    words: Mapping[str, Sequence[str]] | None = None,
+    files: tuple[Path, Path], trials: Any, objects: Any, *, need_attention: bool, words: Words | None = None
 ) -> list[str]:
     """Find every breach of the contract in the values of two Arrow tables that `conform` has made.
 
@@ -47,39 +45,46 @@ def problems_of_tables(
             problems.append(f"{file}: has no rows; expected at least one")
         for column in columns:
             if column.name in table.column_names:
-                problems += _column_problems(file, column, table.column(column.name).combine_chunks(), words)
-    return problems + _relation_problems(files, trials, objects, need_attention)
+                values = table.column(column.name).combine_chunks()
+                problems += _column_problems(_Place(file, column.name), column, values, words)
+    return [*problems, *_relation_problems(files, trials, objects, need_attention)]
 
 
-def _at(file: str, column: str, rows: Iterable[Any], describe: Callable[[int], str]) -> list[str]:
-    """One message per row, and a last one that counts the rows beyond `MAX_ROWS_NAMED`."""
-    numbers = [int(row) for row in rows]
-    lines = [f"{file}: column {column!r}, row {row}: {describe(row)}" for row in numbers[:MAX_ROWS_NAMED]]
-    if len(numbers) > MAX_ROWS_NAMED:
-        lines.append(f"{file}: column {column!r}: the same in {len(numbers) - MAX_ROWS_NAMED} more rows")
-    return lines
+@dataclass(frozen=True)
+class _Place:
+    """A column of a file."""
+
+    file: Path
+    column: str
+
+    def __str__(self) -> str:
+        return f"{self.file}: column {self.column!r}"
+
+    def at(self, rows: Iterable[Any], describe: Callable[[int], str]) -> Iterator[str]:
+        """One message per row, and a last one that counts the rows beyond `MAX_ROWS_NAMED`."""
+        numbers = [int(row) for row in rows]
+        yield from (f"{self}, row {row}: {describe(row)}" for row in numbers[:MAX_ROWS_NAMED])
+        if len(numbers) > MAX_ROWS_NAMED:
+            yield f"{self}: the same in {len(numbers) - MAX_ROWS_NAMED} more rows"
 
 
-def _column_problems(file: str, column: Column, values: Any, words: Mapping[str, Sequence[str]] | None) -> list[str]:
+def _column_problems(place: _Place, column: Column, values: Any, words: Words | None) -> Iterator[str]:
     """Problems of one column by itself."""
     null = nulls(values)
-    problems = []
     if not column.nullable:
-        what = f"is null; expected {EXPECTED[column.kind]}"
-        problems += _at(file, column.name, np.flatnonzero(null), lambda row: what)
+        yield from place.at(np.flatnonzero(null), lambda row: f"is null; expected {EXPECTED[column.kind]}")
     if column.kind == "vector":
-        problems += _vector_problems(file, column, values, null)
+        yield from _vector_problems(place, column, values, null)
     if column.kind in ("text", "words"):
         allowed = _allowed_words(column, words)
         rows = values.to_pylist()
         sentences = [row if column.kind == "words" else [row] for row in rows]
         bad = {row: text for row, sentence in enumerate(sentences) if rows[row] is not None
                for text in [_word_problem(sentence, allowed)] if text}  # fmt: skip
-        problems += _at(file, column.name, bad, bad.__getitem__)
-    return problems
+        yield from place.at(bad, bad.__getitem__)
 
 
-def _allowed_words(column: Column, words: Mapping[str, Sequence[str]] | None) -> Sequence[str] | None:
+def _allowed_words(column: Column, words: Words | None) -> Sequence[str] | None:
     """The words that a text or a sentence may hold; None for any."""
     if words is None:
         return None
@@ -100,138 +105,114 @@ def _word_problem(sentence: Sequence[str | None], allowed: Sequence[str] | None)
     return ""
 
 
-def _vector_problems(file: str, column: Column, values: Any, null: NDArray[np.bool_]) -> list[str]:
+def _vector_problems(place: _Place, column: Column, values: Any, null: NDArray[np.bool_]) -> Iterator[str]:
     """Length, finiteness and, for a histogram, sign and sum of every vector that is not null."""
     lengths = numbers(values.value_lengths(), 0)
     known = lengths[~null]
     if known.size == 0:
-        return []
+        return
     usual = column.length or max(1, int(np.bincount(known).argmax()))
     source = "" if column.length else ", as in most rows" if np.any(known == usual) else " or more"
-    problems = _at(
-        file, column.name, np.flatnonzero(~null & (lengths != usual)),
-        lambda row: f"has {lengths[row]} numbers; expected {usual}{source}",
-    )  # fmt: skip
+    if usual > MAX_VECTOR_LENGTH:
+        yield f"{place}: {usual:,} numbers per row; at most {MAX_VECTOR_LENGTH:,}"
     flat = values.flatten()  # leaves out what stands behind null lists
     row_of = np.repeat(np.arange(len(lengths)), lengths)
     number = numbers(flat, np.nan)
 
-    def any_in_row(flag: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def in_row(flag: NDArray[np.bool_]) -> NDArray[np.bool_]:
         return np.bincount(row_of[flag], minlength=len(lengths)) > 0
 
-    missing = any_in_row(nulls(flat))
-    problems += _at(file, column.name, np.flatnonzero(missing), lambda row: "holds a null; expected numbers")
-    unusable = any_in_row(~np.isfinite(number))
-    problems += _at(
-        file, column.name, np.flatnonzero(unusable & ~missing),
-        lambda row: "holds nan or infinity; expected finite numbers",
-    )  # fmt: skip
-    huge = any_in_row(np.abs(np.nan_to_num(number, posinf=0, neginf=0)) > MAX_NUMBER)
-    problems += _at(file, column.name, np.flatnonzero(huge), lambda row: f"holds a number beyond ±{MAX_NUMBER:g}")
-    if usual > MAX_VECTOR_LENGTH:
-        problems.append(f"{file}: column {column.name!r}: {usual:,} numbers per row; at most {MAX_VECTOR_LENGTH:,}")
+    missing, unusable = in_row(nulls(flat)), in_row(~np.isfinite(number))
+    huge = in_row(np.abs(np.nan_to_num(number, posinf=0, neginf=0)) > MAX_NUMBER)
+    breaches: list[tuple[NDArray[np.bool_], Callable[[int], str]]] = [
+        (~null & (lengths != usual), lambda row: f"has {lengths[row]} numbers; expected {usual}{source}"),
+        (missing, lambda row: "holds a null; expected numbers"),
+        (unusable & ~missing, lambda row: "holds nan or infinity; expected finite numbers"),
+        (huge, lambda row: f"holds a number beyond ±{MAX_NUMBER:g}"),
+    ]
     if column.histogram:
-        negative = any_in_row(number < 0)
-        problems += _at(
-            file,
-            column.name,
-            np.flatnonzero(negative),
-            lambda row: "holds a negative number; expected 0 to 1",
-        )
         total = np.bincount(row_of, weights=np.nan_to_num(number), minlength=len(lengths))
         wrong = (np.abs(total - 1) > COLOR_SUM_TOLERANCE) & (lengths > 0) & ~unusable
-        problems += _at(file, column.name, np.flatnonzero(wrong), lambda row: f"sums to {total[row]:.9g}; expected 1")
-    return problems
+        breaches += [
+            (in_row(number < 0), lambda row: "holds a negative number; expected 0 to 1"),
+            (wrong, lambda row: f"sums to {total[row]:.9g}; expected 1"),
+        ]
+    for rows, describe in breaches:
+        yield from place.at(np.flatnonzero(rows), describe)
 
 
-def _integers(table: Any, name: str) -> tuple[NDArray[np.int64], NDArray[np.intp]] | None:
-    """Known values of an integer column and the rows they are from; None without the column."""
-    if table is None or name not in table.column_names:
-        return None
-    column = table.column(name).combine_chunks()
-    return numbers(column.drop_null(), -1), np.flatnonzero(~nulls(column))
+Keys = Sequence[Any]
+"""A column of integers, or pairs of two, row by row; None where a row has none."""
 
 
-def _relation_problems(files: tuple[str, str], trials: Any, objects: Any, need_attention: bool) -> list[str]:
+def _relation_problems(files: tuple[Path, Path], trials: Any, objects: Any, need_attention: bool) -> Iterator[str]:
     """Problems between the files: keys and attention."""
-    problems = []
-    trial, owner, index = (
-        _integers(trials, "trial"),
-        _integers(objects, "trial"),
-        _integers(objects, "object"),
-    )
+    columns = ((trials, "trial"), (trials, "attended_object"), (objects, "trial"), (objects, "object"))
+    known: list[Any] = [
+        table.column(name).to_pylist() if table is not None and name in table.column_names else None
+        for table, name in columns
+    ]
+    trial, attended, owner, index = known
     if trial is not None:
-        problems += _at(files[0], "trial", trial[1][_repeats(trial[0])], lambda row: "repeats an earlier trial")
+        yield from _Place(files[0], "trial").at(_repeats(trial), lambda row: "repeats an earlier trial")
     if trial is not None and owner is not None:
-        unknown = owner[1][~np.isin(owner[0], trial[0])]
-        name = objects.column("trial")
-        problems += _at(files[1], "trial", unknown, lambda row: f"trial {name[row].as_py()} is not in {files[0]}")
-        bare = trial[1][~np.isin(trial[0], owner[0])]
-        problems += _at(
-            files[0], "trial", bare,
-            lambda row: f"trial {trials.column('trial')[row].as_py()} has no object in {files[1]}",
-        )  # fmt: skip
+        yield from _Place(files[1], "trial").at(
+            _alone(owner, trial), lambda row: f"trial {owner[row]} is not in {files[0]}"
+        )
+        yield from _Place(files[0], "trial").at(
+            _alone(trial, owner), lambda row: f"trial {trial[row]} has no object in {files[1]}"
+        )
     if owner is not None and index is not None:
-        problems += _object_index_problems(files[1], objects)
-    if trials is not None and "attended_object" in trials.column_names:
-        problems += _attention_problems(files, trials, owner, need_attention)
-    return problems
+        yield from _object_problems(_Place(files[1], "object"), owner, index)
+    if attended is not None:
+        place = _Place(files[0], "attended_object")
+        if need_attention:
+            unknown = (row for row, value in enumerate(attended) if value is None)
+            yield from place.at(unknown, lambda row: "is null; expected the attended object")
+        negative = (row for row, value in enumerate(attended) if value is not None and value < 0)
+        yield from place.at(negative, lambda row: f"is {attended[row]}; expected 0 or more, or null")
+        if trial is not None and owner is not None:
+            counts = Counter(own for own in owner if own is not None)
+            beyond = [
+                row
+                for row, (own, value) in enumerate(zip(trial, attended, strict=True))
+                if value is not None and own in counts and value >= counts[own]
+            ]
+            yield from _outside(place, beyond, attended, trial, counts)
 
 
-def _repeats(keys: NDArray[Any]) -> NDArray[np.bool_]:
-    """Which rows of `keys` occur earlier."""
-    first = np.unique(keys, axis=0, return_index=True)[1]
-    repeated = np.ones(len(keys), dtype=bool)
-    repeated[first] = False
-    return repeated
+def _alone(keys: Keys, others: Keys) -> list[int]:
+    """The rows with a key that the others do not have."""
+    alone = set(keys) - {*others, None}
+    return [row for row, key in enumerate(keys) if key in alone]
 
 
-def _object_index_problems(file: str, objects: Any) -> list[str]:
+def _repeats(keys: Keys) -> list[int]:
+    """The rows with a key that an earlier row has."""
+    first = {key: row for row, key in reversed(list(enumerate(keys)))}
+    return [row for row, key in enumerate(keys) if key is not None and first[key] != row]
+
+
+def _object_problems(place: _Place, owner: Keys, index: Keys) -> Iterator[str]:
     """Each (trial, object) once, the objects of a trial 0 to M − 1."""
-    owner = objects.column("trial").combine_chunks()
-    index = objects.column("object").combine_chunks()
-    rows = np.flatnonzero(~(nulls(owner) | nulls(index)))
-    keys = np.stack([numbers(column, -1)[rows] for column in (owner, index)], axis=1)
-    repeated = _repeats(keys)
-    problems = _at(
-        file, "object", rows[repeated],
-        lambda row: f"repeats object {index[row].as_py()} of trial {owner[row].as_py()}",
-    )  # fmt: skip
-    distinct, inverse, count = np.unique(keys[~repeated, 0], return_inverse=True, return_counts=True)
-    limit = count[inverse] if distinct.size else np.zeros(0, dtype=np.int64)
-    outside = (keys[~repeated, 1] < 0) | (keys[~repeated, 1] >= limit)
-    limits = dict(zip(rows[~repeated].tolist(), limit.tolist(), strict=True))
-    return problems + _at(
-        file, "object", rows[~repeated][outside],
-        lambda row: f"is {index[row].as_py()}, but trial {owner[row].as_py()} has {limits[row]} objects; "
-        f"expected 0 to {limits[row] - 1}",
-    )  # fmt: skip
+    keys = [None if None in key else key for key in zip(owner, index, strict=True)]
+    repeated = set(_repeats(keys))
+    yield from place.at(sorted(repeated), lambda row: f"repeats object {index[row]} of trial {owner[row]}")
+    counts = Counter(key[0] for key in set(keys) if key is not None)
+    outside = [
+        row for row, key in enumerate(keys) if key and row not in repeated and not 0 <= key[1] < counts[key[0]]
+    ]
+    yield from _outside(place, outside, index, owner, counts)
 
 
-def _attention_problems(
-    files: tuple[str, str],
-    trials: Any,
-    owner: tuple[NDArray[np.int64], NDArray[np.intp]] | None,
-    need_attention: bool,
-) -> list[str]:
-    """Check that the attended object is known where it must be, and is one of the trial's objects."""
-    attended = trials.column("attended_object").to_pylist()
-    problems = []
-    if need_attention:
-        unknown = [row for row, value in enumerate(attended) if value is None]
-        problems += _at(files[0], "attended_object", unknown, lambda row: "is null; expected the attended object")
-    negative = [row for row, value in enumerate(attended) if value is not None and value < 0]
-    problems += _at(
-        files[0], "attended_object", negative, lambda row: f"is {attended[row]}; expected 0 or more, or null"
+def _outside(
+    place: _Place, rows: Sequence[int], index: Keys, trial: Keys, counts: Mapping[int, int]
+) -> Iterator[str]:
+    """Objects that a trial does not have."""
+    yield from place.at(
+        rows,
+        lambda row: (
+            f"is {index[row]}, but trial {trial[row]} has {counts[trial[row]]} objects; "
+            f"expected 0 to {counts[trial[row]] - 1}"
+        ),
     )
-    if owner is None or "trial" not in trials.column_names:
-        return problems
-    counts = dict(zip(*(part.tolist() for part in np.unique(owner[0], return_counts=True)), strict=True))
-    trial = trials.column("trial").to_pylist()
-    beyond = [row for row, value in enumerate(attended)
-              if value is not None and trial[row] in counts and value >= counts[trial[row]]]  # fmt: skip
-    return problems + _at(
-        files[0], "attended_object", beyond,
-        lambda row: f"is {attended[row]}, but trial {trial[row]} has {counts[trial[row]]} objects; "
-        f"expected 0 to {counts[trial[row]] - 1}",
-    )  # fmt: skip

@@ -5,7 +5,7 @@ The reader, the writer, the checks and the tables of docs/features.md derive fro
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -20,6 +20,10 @@ EXPECTED: Mapping[Kind, Any] = {
     "vector": pa.list_(pa.float64()),
 }
 """Arrow type of each kind of column."""
+
+
+Words = Mapping[str, Sequence[str]]
+"""An experiment's words of each channel."""
 
 
 @dataclass(frozen=True)

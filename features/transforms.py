@@ -92,7 +92,7 @@ def fit_transforms(percepts: Percepts, settings: FeatureSettings, seed: int, *na
         codebook = fit_codebook(pixels, settings.colors, settings.color_pixels, random)
     scale = fit_action_scale(relative_hand(percepts)[acted], percepts.joint_lower, percepts.joint_upper)
     # The path of a weights file means nothing elsewhere; its content does.
-    told = {key: value for key, value in json.loads(settings.canonical()).items() if key != "weights"}
+    told = settings.model_dump(exclude={"weights"})
     provenance = {
         "settings": told,
         "weights": weights_provenance(settings),
@@ -156,19 +156,12 @@ def apply(transforms: Transforms, percepts: Percepts) -> FeatureTable:
     scale = Scale(transforms.feature_lowest, transforms.feature_highest)
     starts = np.searchsorted(percepts.pixel_index, np.arange(1, len(percepts.box)))
     color = [histogram(pixels, transforms.codebook) for pixels in np.split(percepts.pixels, starts)]
+    kept = {item.name: getattr(percepts, item.name) for item in fields(FeatureTable) if hasattr(percepts, item.name)}
     return FeatureTable(
-        trial=percepts.trial,
-        attended_object=percepts.attended_object,
-        words=percepts.words,
         action=within_limits(scaled, transforms.action_names, percepts.trial),
-        trial_index=percepts.trial_index,
-        position=percepts.position,
         object_feature=scale.scale(components),
         color=np.stack(color),
-        truth_action=percepts.truth_action,
-        truth_position=percepts.truth_position,
-        truth_object=percepts.truth_object,
-        truth_color=percepts.truth_color,
+        **kept,
     )
 
 

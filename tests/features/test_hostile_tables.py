@@ -349,6 +349,13 @@ def test_a_reader_that_crashes_is_a_problem_of_its_file(tmp_path: Path, monkeypa
     assert problem == f"{tmp_path}/trials.parquet: {DAMAGED_FILE}: reading it ended with SIGABRT"
 
 
+def test_a_reader_imports_nothing_from_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "json.py").write_text("raise SystemExit(3)")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("PYTHONPATH", raising=False)
+    assert check_table(*saved(tmp_path, valid()), need_attention=True) == []
+
+
 def test_a_reader_that_hangs_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(foreign_tables, "MAX_READER_SECONDS", 1)
     assert "not read within 1 seconds" in reader_that(tmp_path, monkeypatch, "exec sleep 60")

@@ -22,7 +22,7 @@ def settings() -> list[tuple[str, dict[str, Any]]]:
 def test_defaults_are_valid_and_complete() -> None:
     assert FeatureSettings.model_validate({}) == FeatureSettings()
     assert FeatureSettings.model_validate(FeatureSettings().model_dump(mode="json")) == FeatureSettings()
-    assert FeatureSettings.model_validate(json.loads(FeatureSettings().canonical())) == FeatureSettings()
+    assert FeatureSettings.model_validate(json.loads(FeatureSettings().to_json())) == FeatureSettings()
 
 
 def test_every_setting_is_described_and_limited() -> None:
@@ -75,5 +75,5 @@ def test_fewest_objects_is_not_above_most() -> None:
 
 
 def test_canonical_text_tells_settings_apart() -> None:
-    assert FeatureSettings().canonical() == FeatureSettings.model_validate({"components": 30}).canonical()
-    assert FeatureSettings().canonical() != FeatureSettings.model_validate({"components": 31}).canonical()
+    assert FeatureSettings().to_json() == FeatureSettings.model_validate({"components": 30}).to_json()
+    assert FeatureSettings().to_json() != FeatureSettings.model_validate({"components": 31}).to_json()
