@@ -17,10 +17,12 @@ from evaluation.two_runs import compare_folders
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; return 0, 1 where results differ by more than the seeds explain, 2 for files of no use."""
+    """Run a command; return 0, 1 if results differ (by more than seeds explain, or in a verdict), 2 for bad files."""
     parser = argparse.ArgumentParser(prog="python -m evaluation", description=__doc__)
     commands = parser.add_subparsers(required=True, dest="command")
-    compare = commands.add_parser("compare", help="say which cells differ by more than the seeds explain")
+    compare = commands.add_parser(
+        "compare", help="say which cells differ by more than the seeds explain, and which verdicts"
+    )
     compare.add_argument("results", type=Path, help="output folder of a study")
     compare.add_argument("reference", type=Path, help="output folder to compare with")
     ratings = commands.add_parser(
@@ -43,7 +45,7 @@ def _compare(options: argparse.Namespace) -> int:
     if compared.nothing_in_common:
         sys.stderr.write(f"{options.results} and {options.reference} have no cell in common\n")
         return 2
-    return 0 if compared.explained else 1
+    return 0 if compared.explained and compared.other_verdicts.empty else 1
 
 
 def _ratings(options: argparse.Namespace) -> int:

@@ -47,7 +47,7 @@ def commands(
         choices = answer.choices()
         m, k = choices[int(rng.integers(len(choices)))]
         place = objects_of(table, d)["position"][m]
-        mean = fit.state.mean[0][k]
+        mean = fit.knowledge.categories.mean[0][k]
         target = transforms.hand_target(mean, place)
         on_table = np.array([*place, float(transforms.table_height)])
         stays = bool(np.linalg.norm(target - rest[d]) < np.linalg.norm(target - on_table))

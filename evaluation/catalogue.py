@@ -39,9 +39,10 @@ class Figure:
         return f"{self.caption} In the paper: {self.paper}." if self.paper else self.caption
 
 
-# By name. A name with {method} stands for a figure per method.
+# By name. A name with {method} stands for a figure per method, one with {sampler} for a figure of each sampler that
+# the config shows; where it shows one alone, {sampler} is empty.
 FIGURES = {
-    "words": Figure(
+    "words{sampler}": Figure(
         "fit:words",
         "fit",
         "The word distributions θ of the most probable fit: a row for each category in use, a column for each "
@@ -49,21 +50,21 @@ FIGURES = {
         "learned well, the dark cells lie in the boxes.",
         "Figures 4A and 8A",
     ),
-    "positions": Figure(
+    "positions{sampler}": Figure(
         "fit:positions",
         "fit",
         "The position categories of the same fit, seen from above: crosses are the objects, ellipses the categories "
         "at two standard deviations. Each is named by its most probable word.",
         "Figures 4B and 8B",
     ),
-    "object_categories": Figure(
+    "object_categories{sampler}": Figure(
         "categories:object_categories",
         "fit and crops",
         "What the robot saw of the objects in each object category of the same fit, the most typical first. Each "
         "category is named by its most probable word; categories without an object are left out.",
         "Figures 4C and 8C",
     ),
-    "color_categories": Figure(
+    "color_categories{sampler}": Figure(
         "categories:color_categories",
         "fit and crops",
         "What the robot saw of the objects in each color category of the same fit, the most typical first. Each "
@@ -137,11 +138,34 @@ class ShownFigure:
     caption: str
 
 
-def shown_figure(name: str, experiment: str, method: str = "") -> ShownFigure:
-    """A figure of an experiment and, where it is drawn per method, of a method."""
-    figure, own = FIGURES[name], name.format(method=method)
+def shown_figure(name: str, experiment: str, method: str = "", sampler: str = "") -> ShownFigure:
+    """A figure of an experiment and, where it is drawn for each, of a method or a sampler (as `_mixing`)."""
+    figure, own = FIGURES[name], name.format(method=method, sampler=sampler)
     title = f"{own.replace('_', ' ').capitalize()}, {experiment}"
     return ShownFigure(f"figures/{experiment}_{own}.{figure.forms[0]}", title, figure.full_caption)
+
+
+@dataclass(frozen=True)
+class TaskTables:
+    """What the tables of a task have in common.
+
+    Attributes:
+        title: What they are about.
+        rows: What they are made of: a key of `evaluation.rendering.SHEETS`.
+        more: The endings of further files.
+    """
+
+    title: str
+    rows: str = "scores"
+    more: tuple[str, ...] = ("_differences.csv",)
+
+
+TASKS = {
+    "csl": TaskTables("Learning"),
+    "generation": TaskTables("Action generation"),
+    "description": TaskTables("Action description"),
+    "uncertain": TaskTables("Uncertain instructions", rows="answers", more=()),
+}
 
 
 @dataclass(frozen=True)
@@ -151,7 +175,7 @@ class Table:
     Attributes:
         title: Its heading.
         experiment: The experiment that it shows.
-        tasks: Those whose measures are its columns.
+        tasks: Those whose measures are its columns, of those that are run; several have the same `rows`.
         D: The one number of trials that it shows, None for all.
         without: The variants that it leaves out.
     """
@@ -163,18 +187,15 @@ class Table:
     without: tuple[str, ...] = ()
 
     @property
+    def rows(self) -> str:
+        """What it is made of."""
+        return TASKS[self.tasks[0]].rows
+
+    @property
     def endings(self) -> tuple[str, ...]:
         """How the names of its files end."""
-        differences = () if self.tasks == ("uncertain",) else ("_differences.csv",)
-        return (*(f".{form}" for form in TABLE_FORMS), *differences)
+        return (*(f".{form}" for form in TABLE_FORMS), *TASKS[self.tasks[0]].more)
 
-
-TITLES = {
-    "csl": "Learning",
-    "generation": "Action generation",
-    "description": "Action description",
-    "uncertain": "Uncertain instructions",
-}
 
 # The tables of the paper: file name, number, experiment, tasks, D.
 PAPER_TABLES = (
@@ -192,8 +213,6 @@ def tables_of(
 ) -> dict[str, Table]:
     """The tables of a study by file name: those of the paper that it can fill, and one for each experiment and task.
 
-    A table of several tasks shows those that are run.
-
     Args:
         conditions: Each (experiment, task, D) that is run.
         partial: By experiment, the variants that are run for a part of the conditions only, as for one figure; the
@@ -205,11 +224,11 @@ def tables_of(
         tasks = tuple(task for task in all_tasks if any((experiment, task, D or d) in run for _, _, d in run))
         if tasks:
             which = f", D = {D}" if D else ""
-            title = " and ".join(TITLES[task].lower() for task in tasks).capitalize()
+            title = " and ".join(TASKS[task].title.lower() for task in tasks).capitalize()
             without = tuple((partial or {}).get(experiment, ()))
             tables[name] = Table(f"Table {number}. {title}, {experiment}{which}", experiment, tasks, D, without)
     for experiment, task in sorted({(experiment, task) for experiment, task, _ in run}):
-        tables[f"{experiment}_{task}"] = Table(f"{TITLES[task]}, {experiment}", experiment, (task,))
+        tables[f"{experiment}_{task}"] = Table(f"{TASKS[task].title}, {experiment}", experiment, (task,))
     return tables
 
 

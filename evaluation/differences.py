@@ -1,4 +1,7 @@
-"""Differences between methods, in pairs of fits that share a seed and with it the omitted words."""
+"""Differences between methods, and between samplers, in pairs of fits of one data set and seed, so of the same words.
+
+The first say what is due to the model, the second what is due to how its posterior is sampled.
+"""
 
 from __future__ import annotations
 
@@ -8,19 +11,31 @@ import numpy as np
 import pandas as pd
 from scipy.stats import rankdata
 
-from evaluation.scores import SHARED, varying
+from evaluation.replicates import several, units
+from evaluation.scores import ROW_KEYS, UNITS, in_order, varying
 from model import METHODS
 from model.data import Floats
 
-# The differences that tables show: A − B and A − C.
+# The differences between methods that tables show: A − B and A − C.
 PAIRS = (("proposed", "no_mec2"), ("proposed", "mmlda"))
-COLUMNS = (*SHARED, "method", "other", "measure", "mean", "sd", "n", "p")
+# What is compared, and what is the same for both sides then.
+AXES = {axis: [key for key in ROW_KEYS if key != axis] for axis in ("method", "sampler")}
+COLUMNS = (*ROW_KEYS, "compared", "other", "measure", "mean", "sd", "n", "datasets", "p")
+
+
+def pairs_of(scores: pd.DataFrame, axis: str) -> Sequence[tuple[str, str]]:
+    """The pairs that are compared: `PAIRS` of methods, or each further sampler with the first of the scores."""
+    if axis == "method":
+        return PAIRS
+    first, *others = scores[axis].unique() if len(scores) else [""]
+    return [(other, first) for other in others]
 
 
 def letter(method: str) -> str:
-    """What the paper's text calls a method: A, B, C or ALL."""
+    """What the paper's text calls a method: A, B, C or ALL; with `released` what the authors' program computes."""
     label = METHODS[method].label
-    return label[1] if label.startswith("(") else label
+    name = label[1] if label.startswith("(") else label
+    return name if METHODS[method].is_model else f"{name} released"
 
 
 def signed(value: float) -> str:
@@ -53,42 +68,43 @@ def signed_rank_p(values: Floats) -> float:
     return float(min(1.0, 2 * min(probability[: plus + 1].sum(), probability[plus:].sum())))
 
 
-def differences(scores: pd.DataFrame, measures: Sequence[str]) -> pd.DataFrame:
-    """The differences of `PAIRS` over the seeds that both methods have.
+def differences(scores: pd.DataFrame, measures: Sequence[str], axis: str = "method") -> pd.DataFrame:
+    """The differences of `pairs_of` over the data sets, or over the seeds of one, that both sides have.
 
     Args:
         scores: Rows of `scores.csv` of one experiment.
         measures: Which measures, in this order.
+        axis: What is compared: `method`, or `sampler` for the same method.
 
     Returns:
-        One row for each condition, pair and measure that some seed defines for both methods; columns `COLUMNS`:
-        `mean` and `sd` (n − 1) of method − other over the `n` seeds, and `p` (`signed_rank_p`).
+        One row for each condition, pair and measure that some seed defines for both sides; columns `COLUMNS`:
+        `mean` and `sd` (n − 1) of the condition's value minus that with `other` in the column that `compared` names,
+        by the rule of `replicates.units`, over `n` pairs of fits of so many `datasets`, and `p` (`signed_rank_p`).
     """
-    wanted = scores[scores.measure.isin(measures)]
-    by_method = wanted.pivot(index=[*SHARED, "measure", "seed"], columns="method", values="value")
+    wanted, pairs, shared = scores[scores.measure.isin(measures)], pairs_of(scores, axis), AXES[axis]
+    by_side = wanted.pivot(index=[*shared, "measure", *UNITS], columns=axis, values="value")
     rows = []
-    for method, other in PAIRS:
-        if not {method, other} <= set(by_method.columns):
+    for side, other in pairs:
+        if not {side, other} <= set(by_side.columns):
             continue
-        paired = (by_method[method] - by_method[other]).dropna()
-        for names, group in paired.groupby([*SHARED, "measure"]):
-            *shared, measure = names
-            values = group.to_numpy()
+        paired = (by_side[side] - by_side[other]).dropna()
+        for names, group in paired.groupby([*shared, "measure"]):
+            values = np.asarray(units(group, several(scores)), dtype=np.float64)
             sd = values.std(ddof=1) if len(values) > 1 else float("nan")
-            rows.append((*shared, method, other, measure, values.mean(), sd, len(values), signed_rank_p(values)))
+            counts = {"n": len(group), "datasets": group.index.get_level_values(UNITS[0]).nunique()}
+            statistics = {"mean": values.mean(), "sd": sd, **counts, "p": signed_rank_p(values)}
+            condition = dict(zip([*shared, "measure"], names, strict=True)) | {axis: side}
+            rows.append(condition | {"compared": axis, "other": other} | statistics)
     result = pd.DataFrame(rows, columns=list(COLUMNS))
-    order = [*(other for _, other in PAIRS), *measures]
-    return result.sort_values(
-        [*SHARED, "other", "measure"],
-        key=lambda own: own.map(order.index) if own.name in ("other", "measure") else own,
-        ignore_index=True,
-    )
+    samplers = scores["sampler"].unique()
+    others = samplers if axis == "sampler" else tuple(METHODS)
+    return in_order(result, [*shared, axis, "other", "measure"], sampler=samplers, other=others, measure=measures)
 
 
-def readable_differences(found: pd.DataFrame, measures: Sequence[str]) -> pd.DataFrame:
+def readable_differences(found: pd.DataFrame, measures: Sequence[str], axis: str = "method") -> pd.DataFrame:
     """The differences as people read them: a row per pair, a column per measure, `mean ± sd (p)`."""
-    shown = varying(found, SHARED, "ROW")
-    keys = [*SHARED, "method", "other"]
+    shown = varying(found, AXES[axis], "ROW", *(["method"] if axis == "sampler" else []))
+    keys = [*ROW_KEYS, "other"]
     most = found["n"].max() if len(found) else 0
     text = [_cell(*values, most) for values in zip(found["mean"], found["sd"], found["n"], found["p"], strict=True)]
     wide = found[keys].assign(measure=found["measure"], text=text)
@@ -99,8 +115,11 @@ def readable_differences(found: pd.DataFrame, measures: Sequence[str]) -> pd.Dat
         .fillna("–")
     )
     rows = found[keys].drop_duplicates().join(wide, on=keys)
-    pairs = zip(rows["method"], rows["other"], strict=True)
-    rows["difference"] = [f"{letter(method)} − {letter(other)}" for method, other in pairs]
+    names = letter if axis == "method" else str
+    pairs = zip(rows[axis], rows["other"], strict=True)
+    rows["difference"] = [f"{names(side)} − {names(other)}" for side, other in pairs]
+    if axis == "sampler":
+        rows["method"] = [METHODS[name].label for name in rows["method"]]
     return rows[[*shown, "difference", *measures]].rename(columns={"ROW": "ROW (%)"}).reset_index(drop=True)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -10,21 +10,21 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from evaluation.metrics import accuracy, adjusted_rand_index, channel_by_word, estimation_accuracy_rate, f1_macro
-from evaluation.scores import LETTERS
-from features.table import FeatureTable
-from model import Fit
+from evaluation.learned import Learned
+from evaluation.metrics import accuracy, f1_macro
+from evaluation.scores import LETTERS, LOG_JOINT, LOG_JOINT_TRUTH, Words
 
-Words = Mapping[str, Sequence[str]]
 # What a measure is taken of depends on its task; the words of the experiment come with it, by channel.
 Value = Callable[[Any, Words], float | None]
 # A measure of this name beside another is what chance would give.
 CHANCE = "_chance"
+# What is told of a fit and not to be maximised.
+HIDDEN: Mapping[str, Any] = {"in_tables": False, "ranks": False}
 
 
 @dataclass(frozen=True)
 class Measure:
-    """A measure of a fit, the higher the better.
+    """A measure of a fit.
 
     Attributes:
         task: `csl`, taken of what was `Learned`; `generation`, of what `generation.read_answers` gives;
@@ -32,6 +32,8 @@ class Measure:
         name: What `scores.csv` and tables call it.
         of: Its value; None where it is not defined.
         in_tables: Whether tables show it.
+        optional: Whether they leave it out where no fit defines it, rather than say so.
+        ranks: Whether it is the better the higher it is; tables neither mark nor compare others.
         chance: What chance would give; None where nobody asks.
         by_chance: What that is, as the notes of tables say it.
     """
@@ -40,41 +42,41 @@ class Measure:
     name: str
     of: Value
     in_tables: bool = True
+    optional: bool = False
+    ranks: bool = True
     chance: Value | None = None
     by_chance: str = ""
 
 
-@dataclass(frozen=True)
-class Learned:
-    """A fit, and the feature table that was fitted, with its truth where it is known."""
-
-    fit: Fit
-    table: FeatureTable
-
-    def categories(self, channel: str) -> np.ndarray:
-        """The estimated categories of a channel's elements."""
-        return self.fit.state.z[self.fit.trials.index_of(channel)]
+# The channels of which not every element is attended to.
+OBJECTS = {channel: x for channel, x in LETTERS.items() if channel != "action"}
+Along = Callable[[Learned, Words], Sequence[float | None]]
 
 
-def _ari(channel: str, learned: Learned, words: Words) -> float | None:
-    return adjusted_rand_index(learned.categories(channel), getattr(learned.table, f"truth_{channel}"))
+def _by_channel(
+    name: str, of: Callable[[Learned, str], float | None], channels: Mapping[str, str] = LETTERS, **settings: Any
+) -> list[Measure]:
+    """A measure of each channel; `name` has a place for its letter."""
+
+    def value(channel: str, learned: Learned, words: Words) -> float | None:
+        return of(learned, channel)
+
+    return [Measure("csl", name.format(x), partial(value, channel), **settings) for channel, x in channels.items()]
 
 
-def _ari_attended(channel: str, learned: Learned, words: Words) -> float | None:
-    rows, truth = learned.table.attended_row, getattr(learned.table, f"truth_{channel}")
-    known = None if truth is None else [truth[row] for row in rows]
-    return adjusted_rand_index(learned.categories(channel)[rows], known)
+def _interval(name: str, along: Along) -> list[Measure]:
+    """The bounds of the 95 % credible interval of a measure, of which `along` gives the values in the kept states."""
+
+    def bound(share: float, learned: Learned, words: Words) -> float | None:
+        known = [value for value in along(learned, words) if value is not None]
+        return float(np.quantile(known, share)) if known else None
+
+    ends = {"low": 0.025, "high": 0.975}
+    return [Measure("csl", f"{name}_{end}", partial(bound, share), **HIDDEN) for end, share in ends.items()]
 
 
-def _ear(learned: Learned, words: Words) -> float | None:
-    trials = learned.fit.trials
-    channel_of = channel_by_word(words, [channel.name for channel in trials.channels])
-    true = [channel_of.get(trials.vocabulary[w]) for w in trials.words[0]]
-    return estimation_accuracy_rate(learned.fit.state.F, true) if learned.fit.problem.method.has_frames else None
-
-
-def _used(channel: str, learned: Learned, words: Words) -> float:
-    return float(len(np.unique(learned.categories(channel))))
+def _ari_along(channel: str) -> Along:
+    return lambda learned, words: learned.along[channel]
 
 
 def _executed(answered: pd.DataFrame) -> pd.DataFrame:
@@ -88,14 +90,18 @@ def _mean(values: Iterable[float]) -> float | None:
 
 
 MEASURES = (
-    *(Measure("csl", f"ARI_{x}", partial(_ari, channel)) for channel, x in LETTERS.items()),
-    *(
-        Measure("csl", f"ARI_{x}_attended", partial(_ari_attended, channel), in_tables=False)
-        for channel, x in LETTERS.items()
-        if channel != "action"
-    ),
-    Measure("csl", "EAR", _ear),
-    *(Measure("csl", f"used_{x}", partial(_used, channel), in_tables=False) for channel, x in LETTERS.items()),
+    *_by_channel("ARI_{}", Learned.ari),
+    *_by_channel("ARI_{}_attended", Learned.ari_attended, OBJECTS, in_tables=False),
+    *_by_channel("ARI_{}_summary", Learned.ari_summary, in_tables=False),
+    *_by_channel("ARI_{}_attended_summary", Learned.ari_attended_summary, OBJECTS, in_tables=False),
+    *(one for channel, x in LETTERS.items() for one in _interval(f"ARI_{x}", _ari_along(channel))),
+    Measure("csl", "EAR", Learned.ear),
+    Measure("csl", "EAR_mode", Learned.ear_mode, optional=True),
+    *_interval("EAR", Learned.ear_along),
+    Measure("csl", "word_entropy", lambda learned, words: learned.word_entropy(), **HIDDEN),
+    *_by_channel("used_{}", lambda learned, channel: float(len(np.unique(learned.categories(channel)))), **HIDDEN),
+    Measure("csl", LOG_JOINT, lambda learned, words: learned.log_joint(), **HIDDEN),
+    Measure("csl", LOG_JOINT_TRUTH, Learned.log_joint_truth, **HIDDEN),
     Measure(
         "generation",
         "WAR",
@@ -130,9 +136,20 @@ def measured(task: str, subject: object, words: Words) -> dict[str, float | None
     return values | {one.name + CHANCE: one.chance(subject, words) for one in own if one.chance is not None}
 
 
-def shown(tasks: Sequence[str]) -> tuple[str, ...]:
-    """The names of the measures that tables of some tasks show, task after task."""
-    return tuple(own.name for task in tasks for own in MEASURES if own.task == task and own.in_tables)
+def shown(tasks: Sequence[str], defined: Collection[str] = ()) -> tuple[str, ...]:
+    """The names of the measures that tables of some tasks show, task after task.
+
+    Args:
+        tasks: Which tasks.
+        defined: The measures that some fit of the table defines; of the others, optional ones are left out.
+    """
+    own = [one for task in tasks for one in MEASURES if one.task == task and one.in_tables]
+    return tuple(one.name for one in own if one.name in defined or not one.optional)
+
+
+def ranked(names: Sequence[str]) -> tuple[str, ...]:
+    """Those of some measures that are the better the higher they are."""
+    return tuple(own.name for own in MEASURES if own.name in names and own.ranks)
 
 
 def chance_note(names: Sequence[str]) -> str:

@@ -10,24 +10,36 @@ import pandas as pd
 from data_collection.files import replacing
 from model import METHODS
 
+# The words of an experiment, by channel.
+Words = Mapping[str, Sequence[str]]
 # What names a fit; its task is what is measured.
-CONDITION = ["experiment", "variant", "task", "method", "sampler", "D", "ROW", "seed"]
+CONDITION = ["experiment", "dataset", "variant", "task", "method", "sampler", "D", "ROW", "seed"]
 COLUMNS = [*CONDITION, "measure", "value"]
+# What a value is one of: a data set of the experiment, and a seed within it.
+UNITS = ["dataset", "seed"]
 # What names the seeds of a fit together.
 SEEDS = [key for key in CONDITION if key not in ("task", "seed")]
 # What two methods share that are compared in a table.
-SHARED = [key for key in SEEDS if key not in ("experiment", "method")]
+SHARED = [key for key in SEEDS if key not in ("experiment", "dataset", "method")]
 # What tells one row of a table from another, most general first.
 ROW_KEYS = [*SHARED, "method"]
+# The log joint of a fit, and that of the truth beside it.
+LOG_JOINT, LOG_JOINT_TRUTH = "log_joint", "log_joint_truth"
 # The letter that names a channel in measures and figures.
 LETTERS = {"action": "a", "position": "p", "object": "o", "color": "c"}
 
 
-def in_order(frame: pd.DataFrame, keys: Sequence[str]) -> pd.DataFrame:
-    """The rows by these keys, methods in the order of `METHODS`."""
-    order = list(METHODS)
+def in_order(frame: pd.DataFrame, keys: Sequence[str], **orders: Iterable[str]) -> pd.DataFrame:
+    """The rows by these keys, methods in the order of `METHODS`.
+
+    Args:
+        frame: The rows.
+        keys: Columns, the first before all others.
+        orders: In which order the values of further columns come, such as samplers.
+    """
+    known = {name: list(order).index for name, order in ({"method": METHODS} | orders).items()}
     return frame.sort_values(
-        list(keys), key=lambda own: own.map(order.index) if own.name == "method" else own, ignore_index=True
+        list(keys), key=lambda own: own.map(known[own.name]) if own.name in known else own, ignore_index=True
     )
 
 

@@ -1,4 +1,4 @@
-"""Comparisons of cells of the tables, decided by a bootstrap over the seeds."""
+"""Comparisons of cells of the tables, decided by a bootstrap over data sets and the seeds within them."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 
 from evaluation.differences import letter
-from model.data import Floats
+from evaluation.replicates import bootstrap, sets_needed, units
+from evaluation.scores import UNITS
 
 HOLDS, FAILS, OPEN, NOT_RUN = "holds", "does not hold", "not decidable", "not run"
-RESAMPLES = 10_000
 # Differences below this are rounding.
 TINY = 1e-9
 
@@ -98,10 +98,13 @@ class Judgment:
     """What the data say of a comparison.
 
     Attributes:
-        left, right: The two sums, means over the seeds; NaN where something was not run.
+        left, right: The two sums, means over the data sets of the means over their seeds; NaN where not run.
         difference: `left` − `right`.
         low, high: Its 95 % bootstrap interval.
-        n: The smallest number of seeds that a part of it rests on.
+        n: The smallest number of fits that a cell of a part of it rests on.
+        datasets: The number of data sets.
+        needed: Of what is not decidable, about how many data sets would decide it (`replicates.sets_needed`); else
+            None.
         verdict: `holds`, `does not hold`, `not decidable` or `not run`.
     """
 
@@ -111,38 +114,45 @@ class Judgment:
     low: float
     high: float
     n: int
+    datasets: int
+    needed: float | None
     verdict: str
 
 
 def judge(comparison: Comparison, values: Callable[[Cell], pd.Series[float]], rng: np.random.Generator) -> Judgment:
     """Decide a comparison.
 
-    The point estimate over the seeds decides; where the 95 % percentile interval of 10,000 bootstrap samples of
-    the seeds contains the bound, the comparison is not decidable. Within one experiment and D the cells are paired:
-    fits of one seed hear the same words (those of a higher ROW a part of them), whatever the method. Between two D
-    the seeds are drawn separately. Where all seeds give the same difference the interval is a point, and the point
-    estimate alone decides: so `= 1` holds if every seed has 1. One seed alone leaves everything open.
+    The point estimate, over the data sets and the seeds within each, decides; where the 95 % percentile interval of
+    hierarchical bootstrap samples (`replicates.bootstrap`) contains the bound, the comparison is not decidable.
+    Within one experiment and D the cells are paired: fits of one data set and seed hear the same words (those of a
+    higher ROW a part of them), whatever the method. Two D share the data sets, and their seeds are drawn separately.
+    Where all fits give the same difference the interval is a point, and the point estimate alone decides: so `= 1`
+    holds if every fit has 1. One seed of one data set leaves everything open.
 
     Args:
-        comparison: What is compared.
-        values: The defined values of a cell, by seed; empty where it was not run.
+        comparison: What is compared; all cells are of one experiment.
+        values: The defined values of a cell, indexed by `UNITS`; empty where it was not run.
         rng: Draws the bootstrap samples.
     """
     parts = _parts(comparison, values)
     n = min(len(part) for part in parts)
     if n == 0:
         missing = float("nan")
-        return Judgment(missing, missing, missing, missing, missing, 0, NOT_RUN)
+        return Judgment(missing, missing, missing, missing, missing, 0, 0, None, NOT_RUN)
+    sets = parts[0].index.get_level_values(UNITS[0]).nunique()
     left, right = (
-        float(total.constant + sum(part[side].mean() for part in parts))
+        float(total.constant + sum(units(part[side], sets > 1).mean() for part in parts))
         for side, total in (("left", comparison.left), ("right", comparison.right))
     )
-    draws = np.full(RESAMPLES, comparison.left.constant - comparison.right.constant)
-    for part in parts:
-        draws += _resampled_means((part["left"] - part["right"]).to_numpy(), rng)
-    low, high = (float(bound) for bound in np.quantile(draws, (0.025, 0.975)))
+    constant, apart = comparison.left.constant - comparison.right.constant, [p["left"] - p["right"] for p in parts]
+    low, high = (float(bound) for bound in np.quantile(constant + bootstrap(apart, rng), (0.025, 0.975)))
     verdict = _verdict(comparison, left - right, low, high) if n > 1 else OPEN
-    return Judgment(left, right, left - right, low, high, n, verdict)
+    needed = None
+    if verdict == OPEN and sets > 1:
+        distance = min(abs(left - right - bound) for bound in _bounds(comparison))
+        by_set = np.sum([np.asarray(units(part, True), dtype=np.float64) for part in apart], axis=0)
+        needed = sets_needed(by_set, distance)
+    return Judgment(left, right, left - right, low, high, n, sets, needed, verdict)
 
 
 def combine(verdicts: list[str]) -> str:
@@ -155,7 +165,10 @@ def combine(verdicts: list[str]) -> str:
 
 
 def _parts(comparison: Comparison, values: Callable[[Cell], pd.Series[float]]) -> list[pd.DataFrame]:
-    """The sums by seed, columns `left` and `right`, of each experiment and D, whose seeds are drawn separately."""
+    """The sums by `UNITS`, columns `left` and `right`, of each D, whose seeds are drawn separately.
+
+    Only data sets that every D has are left.
+    """
     sides = {"left": comparison.left, "right": comparison.right}
     parts = []
     for key, cells in groupby(sorted(comparison.cells), key=lambda cell: (cell.experiment, cell.D)):
@@ -166,15 +179,18 @@ def _parts(comparison: Comparison, values: Callable[[Cell], pd.Series[float]]) -
                 if (cell.experiment, cell.D) == key:
                     part[side] += weight * by_cell[cell]
         parts.append(part)
-    return parts
+    if any(part.empty for part in parts):
+        return parts
+    sets = [part.index.get_level_values(UNITS[0]) for part in parts]
+    common = set(sets[0]).intersection(*sets[1:])
+    return [part[own.isin(common)] for part, own in zip(parts, sets, strict=True)]
 
 
-def _resampled_means(values: Floats, rng: np.random.Generator) -> Floats:
-    return np.asarray(values[rng.integers(len(values), size=(RESAMPLES, len(values)))].mean(axis=1))
+def _bounds(comparison: Comparison) -> tuple[float, ...]:
+    return (-comparison.bound, comparison.bound) if comparison.relation == "within ±" else (comparison.bound,)
 
 
 def _verdict(comparison: Comparison, difference: float, low: float, high: float) -> str:
-    bounds = (-comparison.bound, comparison.bound) if comparison.relation == "within ±" else (comparison.bound,)
-    if high - low > TINY and any(low - TINY <= bound <= high + TINY for bound in bounds):
+    if high - low > TINY and any(low - TINY <= bound <= high + TINY for bound in _bounds(comparison)):
         return OPEN
     return HOLDS if RELATIONS[comparison.relation](difference, comparison.bound) else FAILS

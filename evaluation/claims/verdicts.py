@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, astuple
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, astuple, replace
 from itertools import combinations
 
 import numpy as np
@@ -10,19 +11,24 @@ import pandas as pd
 
 from data_collection.seeding import generator
 from evaluation.catalogue import cell_name, paper_table_with
-from evaluation.claims.judging import FAILS, HOLDS, NOT_RUN, OPEN, Cell, Comparison, combine, judge
-from evaluation.claims.paper import ACTION_WORDS, CLAIMS, Claim, confused
+from evaluation.claims.judging import FAILS, HOLDS, NOT_RUN, OPEN, Cell, combine, judge
+from evaluation.claims.paper import CLAIMS
+from evaluation.claims.terms import ACTION_WORDS, IS, Claim, confused
 from evaluation.differences import signed
 from evaluation.measures import MEASURES
 from evaluation.metrics import confusion
-from evaluation.scores import COLUMNS, CONDITION
+from evaluation.scores import COLUMNS, CONDITION, UNITS
 
 # Whose fits the claims are about: those of the paper's algorithm with the config's own hyperparameters.
 VARIANT, SAMPLER = "default", "published"
+# Beyond so many data sets a number is no plan.
+MOST_SETS = 1000
 CELL = ["experiment", "D", "ROW", "method", "measure"]
-CLAIM_COLUMNS = ["claim", "text", "experiment", "paper", "ours", "verdict", "rests_on", "note"]
+CLAIM_COLUMNS = ["claim", "text", "experiment", "paper", "ours", "verdict", "datasets", "needed"]
+CLAIM_COLUMNS += ["other_samplers", "rests_on", "note"]
 COMPARISON_COLUMNS = [
-    *("claim", "comparison", "left", "right", "difference", "low", "high", "bound", "n", "verdict", "rests_on")
+    *("claim", "sampler", "comparison", "left", "right", "difference", "low", "high", "bound", "n", "datasets"),
+    *("needed", "verdict", "rests_on"),
 ]
 
 
@@ -56,64 +62,85 @@ def judge_claims(scores: pd.DataFrame, descriptions: pd.DataFrame) -> tuple[pd.D
 
     Args:
         scores: All rows of `scores.csv`.
-        descriptions: What `description.read_descriptions` gives for the simulator.
+        descriptions: What `description.read_descriptions` gives for both experiments.
 
     Returns:
         The claims (`CLAIM_COLUMNS`) and their comparisons (`COMPARISON_COLUMNS`). `left` and `right` are the two
-        sides, means over `n` seeds, `low` to `high` the 95 % interval of the difference; `rests_on` are the cells
-        as links from the output folder. What the study did not run is `not run`, and its numbers empty.
+        sides, means over so many `datasets` and `n` fits, `low` to `high` the 95 % interval of the difference, and
+        `needed` how many data sets would decide what is not decidable; `rests_on` are the cells as links from the
+        output folder. What the study did not run is `not run`, and its numbers empty.
+        The verdict is that by `SAMPLER`; `other_samplers` tells what each other sampler's fits would make it.
     """
-    used, told = _paper(scores), description_scores(_paper(descriptions))
+    scores, descriptions = (rows[rows["variant"] == VARIANT] for rows in (scores, descriptions))
+    used, told = scores, description_scores(descriptions)
     used = (pd.concat([used, told]) if len(told) else used).dropna(subset=["value"])
-    by_cell: dict[tuple[object, ...], pd.Series[float]] = {
-        tuple(names): group for names, group in used.set_index("seed").groupby(CELL)["value"]
+    samplers = list(dict.fromkeys([SAMPLER, *scores["sampler"]]))
+    cells: dict[tuple[object, ...], pd.Series[float]] = {
+        tuple(names): group for names, group in used.set_index(UNITS).groupby(["sampler", *CELL])["value"]
     }
-    empty = pd.Series(dtype=float)
     claims, comparisons = [], []
     for claim in CLAIMS:
-        rows = []
-        for comparison in claim.comparisons:
-            rng = generator(0, "claims", claim.number, str(comparison))
-            judgment = judge(comparison, lambda cell: by_cell.get(astuple(cell), empty), rng)
-            rows.append(
-                {"claim": claim.number, "comparison": str(comparison), "bound": comparison.bound}
-                | {"rests_on": " ".join(_links(comparison) if judgment.verdict != NOT_RUN else [])}
-                | asdict(judgment)
-            )
-        comparisons += rows
-        claims.append(_claim_row(claim, pd.DataFrame(rows)))
-    return pd.DataFrame(claims, columns=CLAIM_COLUMNS), pd.DataFrame(comparisons, columns=COMPARISON_COLUMNS)
+        rows = pd.DataFrame([row for sampler in samplers for row in _comparison_rows(claim, sampler, cells)])
+        comparisons.append(rows)
+        claims.append(_claim_row(claim, {sampler: rows[rows["sampler"] == sampler] for sampler in samplers}))
+    return pd.DataFrame(claims, columns=CLAIM_COLUMNS), pd.concat(comparisons, ignore_index=True)[COMPARISON_COLUMNS]
 
 
-def _paper(rows: pd.DataFrame) -> pd.DataFrame:
-    return rows[(rows["variant"] == VARIANT) & (rows["sampler"] == SAMPLER)]
+def _comparison_rows(
+    claim: Claim, sampler: str, cells: Mapping[tuple[object, ...], pd.Series[float]]
+) -> Iterator[dict[str, object]]:
+    """Decide the comparisons of a claim by the fits of a sampler; every sampler has the same bootstrap samples."""
+    for comparison in claim.comparisons:
+        rng = generator(0, "claims", claim.number, str(comparison))
+        judgment = judge(comparison, lambda cell: values_of(cell, sampler, cells), rng)
+        links = dict.fromkeys(link(cell, sampler) for cell in comparison.cells)
+        names = {"claim": claim.number, "sampler": sampler, "comparison": str(comparison), "bound": comparison.bound}
+        yield names | asdict(judgment) | {"rests_on": " ".join(links) if judgment.verdict != NOT_RUN else ""}
 
 
-def link(cell: Cell) -> str:
-    """Where a cell is shown, from the output folder: a place in the page of one of the paper's tables, or a file."""
+def values_of(cell: Cell, sampler: str, cells: Mapping[tuple[object, ...], pd.Series[float]]) -> pd.Series[float]:
+    """The values of a cell by a sampler's fits, indexed by `UNITS`; of `terms.exactly` 1 and 0. Empty if not run."""
+    measure, _, value = cell.measure.partition(IS)
+    found = cells.get((sampler, *astuple(replace(cell, measure=measure))), pd.Series(dtype=float))
+    return (found == float(value)).astype(float) if value else found
+
+
+def link(cell: Cell, sampler: str) -> str:
+    """Where a cell of a sampler's fits is shown, from the output folder: in a page of a table, or a file."""
+    if cell.measure.startswith("used_"):
+        return "scores.csv"
     task = {measure.name: measure.task for measure in MEASURES}.get(cell.measure, "")
     table = paper_table_with(cell.experiment, task, cell.D)
     if table is None:
         return f"descriptions/{cell.experiment}_D{cell.D}.csv"
-    return f"tables/{table}.html#{cell_name({'variant': VARIANT, 'sampler': SAMPLER, **asdict(cell)}, cell.measure)}"
+    return f"tables/{table}.html#{cell_name({'variant': VARIANT, 'sampler': sampler, **asdict(cell)}, cell.measure)}"
 
 
-def _links(comparison: Comparison) -> list[str]:
-    return list(dict.fromkeys(link(cell) for cell in comparison.cells))
-
-
-def _claim_row(claim: Claim, judged: pd.DataFrame) -> dict[str, object]:
+def _claim_row(claim: Claim, by_sampler: Mapping[str, pd.DataFrame]) -> dict[str, object]:
+    verdicts = {sampler: combine(rows["verdict"].tolist()) for sampler, rows in by_sampler.items()}
+    judged = by_sampler[SAMPLER]
     pages = dict.fromkeys(place.partition("#")[0] for links in judged["rests_on"] for place in links.split())
-    return {
+    return vars(claim) | {
         "claim": claim.number,
-        "text": claim.text,
         "experiment": claim.experiment,
-        "paper": claim.paper,
         "ours": _ours(judged[judged["verdict"] != NOT_RUN]),
-        "verdict": combine(judged["verdict"].tolist()),
+        "verdict": verdicts.pop(SAMPLER),
+        "datasets": int(judged["datasets"].min()),
+        "needed": _needed(judged),
+        "other_samplers": "; ".join(f"{sampler}: {verdict}" for sampler, verdict in verdicts.items()),
         "rests_on": " ".join(pages),
-        "note": claim.note,
     }
+
+
+def _needed(judged: pd.DataFrame) -> str:
+    """About how many data sets would decide a claim that is not decidable: those of its worst comparison, in text.
+
+    Empty for other claims, and of one data set, whose spread says nothing of others.
+    """
+    needed = judged.loc[judged["verdict"] == OPEN, "needed"].dropna()
+    if combine(judged["verdict"].tolist()) != OPEN or needed.empty:
+        return ""
+    return f"{needed.max():.0f}" if needed.max() <= MOST_SETS else f"more than {MOST_SETS}"
 
 
 def _ours(run: pd.DataFrame) -> str:

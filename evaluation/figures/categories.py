@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from functools import partial
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from evaluation.figures.drawing import PAGE_WIDTH, STYLE, coarse
+from data_collection.image_files import mosaic
+from evaluation.figures.drawing import coarse, page
 from evaluation.figures.fit import category_label
 from evaluation.figures.source import Source
 from features.percept_data import first, join, load_percepts
@@ -23,7 +23,7 @@ GAP = 4
 def _of_channel(channel: str, source: Source) -> Figure:
     """The crops in each category of a channel of the most probable fit."""
     _, fit, title = source.most_probable()
-    percepts = join([load_percepts(path) for path in source.files["percepts"]])
+    percepts = join(map(load_percepts, source.files["percepts"]))
     return category_crops(fit, channel, first(percepts, source.settings["condition"]["D"]).crop, title)
 
 
@@ -63,13 +63,10 @@ def category_crops(fit: Fit, channel: str, crops: NDArray[np.uint8], title: str)
         raise ValueError(f"{len(crops)} crops of {len(fit.state.z[c])} objects; expected one for each object")
     rows = typical_first(fit, channel)
     cell = crops.shape[1] + GAP
-    sheet = np.full((len(rows) * cell, CROPS_A_ROW * cell, 3), 255, dtype=np.uint8)
-    for i, own in enumerate(rows.values()):
-        for j, n in enumerate(own[:CROPS_A_ROW]):
-            sheet[i * cell : (i + 1) * cell - GAP, j * cell : (j + 1) * cell - GAP] = coarse(crops[n])
+    typical = [[coarse(crops[n]) for n in own[:CROPS_A_ROW]] for own in rows.values()]
+    sheet = mosaic(typical, CROPS_A_ROW, (cell, cell))
     middles = cell * np.arange(len(rows)) + (cell - GAP) / 2
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, 0.7 + 0.46 * len(rows)), layout="constrained")
+    with page(0.7 + 0.46 * len(rows)) as figure:
         axes = figure.subplots()
         axes.imshow(sheet, interpolation="nearest")
         axes.spines[:].set_visible(False)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from evaluation.figures.drawing import STYLE
+from evaluation.figures.drawing import page
 from model import Fit
 from model.data import Floats
 from model.diagnostics import rank_counts
@@ -19,16 +18,15 @@ COLUMNS = 5
 
 
 def chains_figure(fits: Sequence[Fit], quantities: Mapping[str, Floats], title: str) -> Figure:
-    """Draw the chains of a condition, one per seed.
+    """Draw the chains of a condition.
 
     Args:
         fits: One per chain.
         quantities: (chains, draws) of each quantity to rank; chains that agree have flat rank plots.
         title: The condition.
     """
-    with mpl.rc_context(STYLE):
-        rows = -(-(len(quantities) + 1) // COLUMNS)
-        figure = Figure(figsize=(2.8 * COLUMNS, 2.6 * rows), layout="constrained")
+    rows = -(-(len(quantities) + 1) // COLUMNS)
+    with page(2.6 * rows, width=2.8 * COLUMNS) as figure:
         axes: Any = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
         for spare in axes[len(quantities) + 1 :]:
             spare.set_axis_off()

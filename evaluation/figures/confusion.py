@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from evaluation.confusion import of_method
-from evaluation.figures.drawing import PAGE_WIDTH, STYLE
+from evaluation.figures.drawing import PAGE_WIDTH, STYLE, page
 from evaluation.figures.source import Source
 from model import METHODS
 
@@ -42,9 +41,8 @@ def confusion_figure(counts: pd.DataFrame, words: Mapping[str, Sequence[str]]) -
     panels = dict(list(counts.groupby(["D", "ROW"])))
     labels = list(dict.fromkeys(counts["true"]))
     edges = np.cumsum([len(own) for own in words.values()])
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, PANEL_HEIGHT * len(down) + 1.0), layout="constrained")
-        figure.suptitle(f"What the robot says of what the tutor called\n{_title(counts)}")
+    heading = f"What the robot says of what the tutor called\n{_title(counts)}"
+    with page(PANEL_HEIGHT * len(down) + 1.0, heading) as figure:
         grid: Any = figure.subplots(len(down), len(across), squeeze=False, sharex=True, sharey=True)
         image: Any = None
         for i, ROW in enumerate(down):
@@ -62,7 +60,8 @@ def confusion_figure(counts: pd.DataFrame, words: Mapping[str, Sequence[str]]) -
 
 def _title(counts: pd.DataFrame) -> str:
     shown = counts.iloc[0]
-    return f"{shown['experiment']}, {METHODS[str(shown['method'])].label}, counts over all seeds"
+    method = METHODS[str(shown["method"])].label
+    return f"{shown['experiment']}, {method}, sampler {shown['sampler']}, counts over all seeds"
 
 
 def _matrix(panel: pd.DataFrame, labels: Sequence[str]) -> np.ndarray:

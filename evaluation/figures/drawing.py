@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -31,6 +33,16 @@ STYLE: Any = {
     # A word with two dollar signs is no formula.
     "text.parse_math": False,
 }
+
+
+@contextmanager
+def page(height: float, title: str = "", width: float = PAGE_WIDTH) -> Iterator[Figure]:
+    """A figure of this size, inches, with this heading; what is drawn within the block has the common style."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(width, height), layout="constrained")
+        if title:
+            figure.suptitle(title)
+        yield figure
 
 
 def picture(image: Image) -> Figure:

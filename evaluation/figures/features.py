@@ -11,10 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Patch, Rectangle
 
+from data_collection.image_files import mosaic
 from data_collection.log.mcap_log import read_log
 from data_collection.log.messages import Image
 from data_collection.log.trial import observation
-from evaluation.figures.drawing import PAGE_WIDTH, STYLE
+from evaluation.figures.drawing import page
 from evaluation.figures.source import Source
 from features.overview import Overview, overview
 from features.percept_data import first, join, load_percepts
@@ -46,9 +47,7 @@ def features_overview(seen: Overview, images: Sequence[Image], title: str) -> Fi
         images: What the camera saw before the action, (H, W, 3) RGB, of the first trials of `seen`.
         title: Experiment and condition.
     """
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, 11.0), layout="constrained")
-        figure.suptitle(f"What the robot sees and feels\n{title}")
+    with page(11.0, f"What the robot sees and feels\n{title}") as figure:
         rows: Any = figure.subfigures(5, 1, height_ratios=(3.3, 2.1, 1.5, 3.2, 2.1))
         _detections(rows[0], seen, images)
         _crops(rows[1], seen)
@@ -83,11 +82,7 @@ def _crops(figure: SubFigure, seen: Overview) -> None:
     size = seen.crops.shape[1]
     groups = [np.flatnonzero(seen.crop_group == group) for group in np.unique(seen.crop_group)]
     lines = [group[i : i + CROPS_A_ROW] for group in groups for i in range(0, len(group), CROPS_A_ROW)]
-    sheet = np.full((size * len(lines), size * CROPS_A_ROW, 3), 255, dtype=np.uint8)
-    for i, line in enumerate(lines):
-        for j, n in enumerate(line):
-            sheet[i * size : (i + 1) * size, j * size : (j + 1) * size] = seen.crops[n]
-    axes.imshow(sheet)
+    axes.imshow(mosaic([seen.crops[line] for line in lines], CROPS_A_ROW, (size, size)))
     edges = np.cumsum([-(-len(group) // CROPS_A_ROW) for group in groups])[:-1]
     for edge in edges:
         axes.axhline(edge * size - 0.5, color="#555555", linewidth=1)

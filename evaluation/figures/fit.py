@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Rectangle
 
-from evaluation.figures.drawing import PAGE_WIDTH, STYLE
+from evaluation.figures.drawing import page
 from evaluation.figures.source import Source
 from evaluation.scores import LETTERS
 from model import Fit
@@ -47,8 +47,7 @@ def word_distributions(fit: Fit, words: Mapping[str, Sequence[str]], title: str)
             boxes.append((min(own), len(labels), len(own), len(used)))
         rows.append(np.exp(fit.state.log_words[c][used])[:, order])
         labels += [f"{LETTERS.get(channel.name, channel.name)}{k + 1}" for k in range(len(used))]
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, 1.3 + 0.17 * len(labels)), layout="constrained")
+    with page(1.3 + 0.17 * len(labels)) as figure:
         axes = figure.subplots()
         image = axes.imshow(np.concatenate(rows), cmap="Greys", vmin=0.0, vmax=1.0, aspect="auto")
         for left, top, width, height in boxes:
@@ -72,8 +71,7 @@ def position_categories(fit: Fit, title: str) -> Figure:
     z, points = fit.state.z[c], fit.trials.channels[c].features
     palette = mpl.colormaps["tab10"]
     behind = {"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 1.0}
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, 4.6), layout="constrained")
+    with page(4.6) as figure:
         axes = figure.subplots()
         for i, k in enumerate(np.unique(z)):
             own, shade = points[z == k], palette(i % 10)

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import cv2
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -15,7 +14,7 @@ from data_collection.log.mcap_log import Log, read_log
 from data_collection.log.messages import Image
 from data_collection.log.trial import observation, truth
 from data_collection.show import animation
-from evaluation.figures.drawing import DPI, PAGE_WIDTH, STYLE, Animation, coarse
+from evaluation.figures.drawing import DPI, PAGE_WIDTH, Animation, coarse, page
 from evaluation.figures.source import Source
 from evaluation.generation import read_answers
 
@@ -55,9 +54,8 @@ def generated_actions(answered: pd.DataFrame, pictures: Sequence[tuple[Image, Im
         title: Experiment and condition.
     """
     rows = -(-len(pictures) // COLUMNS)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, 0.6 + 1.2 * rows), layout="constrained")
-        figure.suptitle(f"Instructions carried out: before, after, and what the tutor saw\n{title}")
+    heading = f"Instructions carried out: before, after, and what the tutor saw\n{title}"
+    with page(0.6 + 1.2 * rows, heading) as figure:
         grid: Any = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
         for axes in grid:
             axes.set_axis_off()

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from evaluation.figures.drawing import PAGE_WIDTH, STYLE
+from evaluation.figures.drawing import page
 from evaluation.figures.source import Source
 from evaluation.generation import answers
 from evaluation.uncertain.scenes import OBJECT_CHANNELS
@@ -37,13 +37,13 @@ def answers_figure(fit: Fit, table: FeatureTable, title: str) -> Figure:
     lowest map of each column names them.
     """
     shown = answers(fit, table)[:SHOWN]
-    used = np.unique(fit.state.z[0])
-    order = [*used, *np.setdiff1d(np.arange(len(fit.state.mean[0])), used)]
+    categories = fit.knowledge.categories
+    used = np.unique(categories.z[0])
+    order = [*used, *np.setdiff1d(np.arange(len(categories.mean[0])), used)]
     most = max(len(answer.log_scores) for answer in shown)
     columns = min(COLUMNS, len(shown))
     rows = -(-len(shown) // columns)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, 1.9 + rows * (0.3 + 0.17 * most)), layout="constrained")
+    with page(1.9 + rows * (0.3 + 0.17 * most)) as figure:
         panels: Any = figure.subplots(rows, columns, squeeze=False).ravel()
         for spare in panels[len(shown) :]:
             spare.set_axis_off()
@@ -81,7 +81,7 @@ def _category_names(fit: Fit, used: np.ndarray, count: int) -> list[str]:
     """Names as in the figure of word distributions, with each category's most probable word."""
     words = fit.trials.vocabulary
     names = [
-        f"a{i + 1} {words[int(np.argmax(fit.state.log_words[0][k]))]}" if words else f"a{i + 1}"
+        f"a{i + 1} {words[int(np.argmax(fit.knowledge.categories.log_words[0][k]))]}" if words else f"a{i + 1}"
         for i, k in enumerate(used)
     ]
     return names + ["unused"] * (count - len(used))

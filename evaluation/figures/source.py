@@ -43,7 +43,7 @@ def title(condition: Mapping[str, object], fit: Fit, place: int, seeds: int) -> 
     """Two lines that say which fit a figure shows.
 
     Args:
-        condition: `experiment`, `variant`, `method`, `D` and `ROW`.
+        condition: `experiment`, `variant`, `method`, `sampler`, `D` and `ROW`.
         fit: The fit.
         place: Which of the seeds it is, from 0.
         seeds: How many there are.
@@ -53,5 +53,6 @@ def title(condition: Mapping[str, object], fit: Fit, place: int, seeds: int) -> 
     method = METHODS[str(condition["method"])].label
     return (
         f"{condition['experiment']}, {method}, D = {condition['D']}, ROW {condition['ROW']} %{categories},\n"
-        f"variant {condition['variant']}, seed {place + 1} of {seeds} (highest log joint)"
+        f"variant {condition['variant']}, sampler {condition['sampler']}, "
+        f"seed {place + 1} of {seeds} (highest log joint)"
     )

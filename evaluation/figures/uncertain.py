@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from evaluation.figures.drawing import PAGE_WIDTH, STYLE
+from evaluation.figures.drawing import page
 from evaluation.figures.source import Source
 from evaluation.uncertain.answers import by_seed, of_condition, read_uncertain
 from evaluation.uncertain.instructions import KINDS
@@ -33,8 +32,7 @@ def uncertain_figure(answered: pd.DataFrame, title: str) -> Figure:
         title: The condition.
     """
     methods = [method for method in METHODS if method in set(answered["method"])]
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(PAGE_WIDTH, 6.6), layout="constrained")
+    with page(6.6) as figure:
         parts: Any = figure.subfigures(2, 1, height_ratios=(1.0, 1.4))
         entropy, outvoted = parts[0].subplots(1, 2)
         rates = parts[1].subplots()
@@ -46,7 +44,7 @@ def uncertain_figure(answered: pd.DataFrame, title: str) -> Figure:
         marks = [axes.get_legend_handles_labels() for axes in (entropy, rates)]
         legend = {label: handle for handles, labels in marks for handle, label in zip(handles, labels, strict=True)}
         parts[1].legend(
-            list(legend.values()), list(legend), loc="outside lower center", ncols=len(legend), frameon=False
+            list(legend.values()), list(legend), loc="outside lower center", ncols=min(4, len(legend)), frameon=False
         )
         figure.suptitle(f"Uncertain instructions\n{title}")
     return figure

@@ -1,4 +1,4 @@
-"""Have the chains of a condition mixed? A page per data set, and its figures as a table."""
+"""Have the chains of a condition mixed? A page per experiment and D, and its figures as a table."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ import numpy as np
 import pandas as pd
 
 from data_collection.files import replacing
+from evaluation.convergence import light_of
 from evaluation.figures.chains import chains_figure
 from evaluation.scores import write_csv
 from evaluation.templates import simple_page
 from model import METHODS, Fit
 from model.data import Floats
-from model.diagnostics import chain_quantities, diagnose
+from model.diagnostics import PAIR, WORD, Diagnosis, chain_quantities, diagnose
 
-BURN_IN = 0.5
-# Pairs of elements are too many to list: the worst one of a channel stands for all.
-PAIR = "same_"
+# Too many to list: of each channel the worst one stands for all.
+MANY = {PAIR: "pairs of {} in one category, the worst", WORD: "share of a word in {}, the worst"}
 
 
 def diagnose_condition(condition: Mapping[str, Any], fits: Sequence[Fit]) -> tuple[pd.DataFrame, str]:
@@ -30,17 +30,21 @@ def diagnose_condition(condition: Mapping[str, Any], fits: Sequence[Fit]) -> tup
 
     Args:
         condition: The names of the condition, without the seed.
-        fits: One per seed.
+        fits: One per chain.
     """
-    quantities = chain_quantities(fits, BURN_IN)
-    table = pd.DataFrame([asdict(one) for one in diagnose(quantities)])
-    table = table.astype(dict.fromkeys(table.columns.drop("quantity"), float))
+    quantities = chain_quantities(fits)
+    found = diagnose(quantities)
+    if fits[0].history is None and fits[0].problem.method.has_frames and len(fits[0].trials.word_trial):
+        unknown = float("nan")
+        found.append(Diagnosis("words", unknown, unknown, None, None, None, len(fits), 0))
+    numbers = ["mean", "sd", "r_hat", "ess_bulk", "ess_tail"]
+    table = pd.DataFrame([asdict(one) for one in found]).astype(dict.fromkeys(numbers, float))
     # What is the same everywhere has no ranks.
-    shown = {name: draws for name, draws in quantities.items() if not name.startswith(PAIR) and np.ptp(draws) > 0}
+    shown = {name: draws for name, draws in quantities.items() if not name.startswith((*MANY,)) and np.ptp(draws) > 0}
     title = ", ".join(
         METHODS[str(value)].label if key == "method" else f"{key} {value}"
         for key, value in condition.items()
-        if key != "experiment"
+        if key not in ("experiment", "dataset")  # which the title of the page tells
     )
     return table.assign(**condition)[[*condition, *table.columns]], _section(title, table, fits, shown)
 
@@ -55,23 +59,28 @@ def write_page(title: str, parts: Sequence[tuple[pd.DataFrame, str]], table: Pat
 def _section(title: str, table: pd.DataFrame, fits: Sequence[Fit], shown: Mapping[str, Floats]) -> str:
     picture = io.BytesIO()
     chains_figure(fits, shown, title).savefig(picture, format="png", dpi=90, metadata={"Software": None})
-    is_pair = table["quantity"].str.startswith(PAIR)
-    channel = table["quantity"].str.removeprefix(PAIR).str.split("_").str[0]
-    pairs = table[is_pair].groupby(channel[is_pair], sort=False)
-    worst = pairs.agg(
-        mean=("mean", "mean"), sd=("sd", "mean"), r_hat=("r_hat", "max"), ess_bulk=("ess_bulk", "min"),
-        ess_tail=("ess_tail", "min"),
-    )  # fmt: skip
-    worst.insert(0, "quantity", [f"pairs of {name} in one category, the worst" for name in worst.index])
-    rows = pd.concat([table[~is_pair], worst]).to_html(
+    is_listed = ~table["quantity"].str.startswith((*MANY,))
+    rows = pd.concat([table[is_listed], *(_worst(table, prefix) for prefix in MANY)]).to_html(
         index=False, border=0, float_format="{:.3g}".format, na_rep="–"
     )
     image = base64.b64encode(picture.getvalue()).decode()
-    return f'<h2>{title}</h2>\n<img alt="{title}" src="data:image/png;base64,{image}">\n{rows}'
+    light = light_of(table)["light"]
+    return f'<h2>{title}: {light}</h2>\n<img alt="{title}" src="data:image/png;base64,{image}">\n{rows}'
 
 
-NOTE = """<p>Each seed is a chain; the second half of its iterations counts. R-hat (rank-normalised, split) is near
-1 where chains agree, and infinite where each stays at a value of its own; flat rank plots say the same. Where they do
-not agree, a last state is a mode of the posterior that a chain has found, not a summary of it. A quantity that never
-changes has no ranks and no figures (–). Conditions in which some words are omitted are missing: each of their seeds
-hears other words, and has a posterior of its own.</p>"""
+def _worst(table: pd.DataFrame, prefix: str) -> pd.DataFrame:
+    """Of quantities of one kind a row for each channel: the worst of them, and the mean of their means."""
+    own = table[table["quantity"].str.startswith(prefix)]
+    channel = own["quantity"].str.removeprefix(prefix).str.split("_").str[0]
+    worst = own.groupby(channel, sort=False).agg(
+        mean=("mean", "mean"), sd=("sd", "mean"), r_hat=("r_hat", "max"), ess_bulk=("ess_bulk", "min"),
+        ess_tail=("ess_tail", "min"), chains=("chains", "first"), draws=("draws", "first"),
+    )  # fmt: skip
+    worst.insert(0, "quantity", [MANY[prefix].format(name) for name in worst.index])
+    return worst
+
+
+NOTE = """<p>Each line and each row of a rank plot is a chain; what comes after its burn-in counts. R-hat
+(rank-normalised, split) is near 1 where chains agree, and infinite where each stays at a value of its own; flat rank
+plots say the same. A quantity that never changes has no ranks and no figures (–).
+<a href="../diagnostics.html">What the lights mean</a></p>"""

@@ -10,6 +10,7 @@ import pandas as pd
 import yaml
 
 from evaluation.pages.page import Part, Section, table
+from evaluation.templates import render
 
 
 def settings(config: str, experiments: Mapping[str, Mapping[str, Any]]) -> Section:
@@ -58,11 +59,4 @@ def reproduction(config: str) -> Section:
     Args:
         config: The config file, as `make` is told.
     """
-    text = (
-        f"<p>With the code and the environment that <a href='#versions'>Versions</a> names:</p>\n"
-        f"<pre>make study CONFIG={escape(config)}</pre>\n"
-        f"<p>gives every file again, this page included, with any number of cores. Each number can be followed: a "
-        f"table is made of <a href='scores.csv'>scores.csv</a>, a row of that of one fit below <code>fits/</code>, a "
-        f"fit of a table below <code>features/</code>, and a simulated one of logs below <code>mcap/</code>.</p>"
-    )
-    return Section("reproduction", "How to reproduce it", text)
+    return Section("reproduction", "How to reproduce it", render("reproduction.html", config=config))

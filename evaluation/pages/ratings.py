@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from data_collection.files import replacing
+from data_collection.files import write_text
 from evaluation.templates import render
 
 
@@ -17,5 +17,4 @@ def write_page(clips: Sequence[tuple[str, str, Sequence[str]]], title: str, path
         title: Heading of the page.
         path: The page.
     """
-    with replacing(path) as (temporary,):
-        temporary.write_text(render("ratings.html", clips=clips, title=title), encoding="utf-8")
+    write_text(path, render("ratings.html", clips=clips, title=title))

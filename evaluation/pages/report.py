@@ -7,21 +7,18 @@ from html import escape
 from pathlib import Path, PurePath
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from evaluation.catalogue import ShownFigure
 from evaluation.pages.page import Part, Section, image, table, wide
-from evaluation.scores import ROW_KEYS, varying
+from evaluation.scores import ROW_KEYS, UNITS
 from evaluation.table_forms import Sheet, fragment
+from evaluation.templates import render
 from model import METHODS
 
-PAPER = '<a href="https://doi.org/10.3389/fnbot.2017.00066">Taniguchi, Taniguchi and Cangelosi (2017)</a>'
 # A larger file, as an animation may be, is linked rather than embedded.
 LARGEST_IMAGE = {".gif": 1_500_000}
 MARKS = {"holds": "mark yes", "does not hold": "mark no"}
-# Chains are commonly said to agree up to this R-hat (Vehtari et al. 2021).
-AGREE = 1.01
 
 
 def about(
@@ -35,7 +32,7 @@ def about(
         scores: All scores of the study.
         dropped: By set of trials, why which were dropped; sets in which none could be are left out.
     """
-    fits = scores[scores.task == "csl"].drop_duplicates(["experiment", *ROW_KEYS, "seed"])
+    fits = scores[scores.task == "csl"].drop_duplicates(["experiment", *ROW_KEYS, *UNITS])
     rows = []
     for name, origin in origins.items():
         own = fits[fits.experiment == name]
@@ -47,25 +44,15 @@ def about(
                 "training trials (D)": _listing(own.D),
                 "words omitted, % (ROW)": _listing(heard.ROW),
                 "methods": ", ".join(one.label for key, one in METHODS.items() if key in set(own.method)),
+                "data sets": own.dataset.nunique(),
                 "seeds": own.seed.nunique(),
                 "fits": len(own),
             }
         )
-    text = (
-        f"<p>A robot acts on objects and is told in short sentences what it did; from these trials alone it learns "
-        f"categories of actions, positions, objects and colors, and which word belongs to which. This page shows all "
-        f"that came out of the study of {PAPER} as <code>{escape(config)}</code> sets it up: {len(fits)} fits of the "
-        f"model, and {len(scores)} measures of what they learned. The page is complete in itself; its links to files "
-        f"lead into the folder that it was written to.</p>"
-    )
-    return Section("about", "What this is", text + table(pd.DataFrame(rows)) + _dropped(dropped or {}))
-
-
-def _dropped(dropped: Mapping[str, Sequence[str]]) -> str:
-    if not dropped:
-        return ""
-    gone = [{"trials": name, "dropped": len(why), "why": "; ".join(why)} for name, why in dropped.items()]
-    return f"<p>Trials with an implausible number of objects were dropped.</p>{table(pd.DataFrame(gone))}"
+    gone = [{"trials": name, "dropped": len(why), "why": "; ".join(why)} for name, why in (dropped or {}).items()]
+    shown = {"study": table(pd.DataFrame(rows)), "dropped": table(pd.DataFrame(gone)) if gone else ""}
+    counts = {"fits": len(fits), "measures": len(scores)}
+    return Section("about", "What this is", render("about.html", config=config, **counts, **shown))
 
 
 def _listing(values: pd.Series[Any]) -> str:
@@ -92,15 +79,12 @@ def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame, anchors: Collection
         shown = cell(column, value)
         return f'<span id="claim_{shown}">{shown}</span>' if column == "claim" else shown
 
-    text = "<p>What the paper claims, and what this study finds. A claim that does not hold here is a finding.</p>"
-    counts = claimed["verdict"].value_counts(sort=False)
-    text += f"<p>Verdicts: {escape(', '.join(f'{verdict} {n}' for verdict, n in counts.items()))}.</p>"
+    verdicts = ", ".join(f"{verdict} {n}" for verdict, n in claimed["verdict"].value_counts(sort=False).items())
     # The verdict must not be where only scrolling leads.
-    first = ["claim", "text", "verdict"]
-    text += table(claimed[[*first, *claimed.columns.drop(first)]], cell_of_claim)
-    text += f"<details><summary>The {len(comparisons)} comparisons behind them</summary>"
-    text += f"{table(comparisons, cell)}</details>"
-    return Section("claims", "Claims of the paper", text)
+    first = [name for name in ("claim", "text", "verdict", "other_samplers") if name in claimed]
+    own = table(claimed[[*first, *claimed.columns.drop(first)]], cell_of_claim)
+    shown = {"claims": own, "comparisons": table(comparisons, cell), "number": len(comparisons)}
+    return Section("claims", "Claims of the paper", render("claims_section.html", verdicts=verdicts, **shown))
 
 
 def _linked(text: str, anchors: Collection[str]) -> str:
@@ -156,54 +140,3 @@ def _figure_part(figure: ShownFigure, path: Path) -> Part:
     shown = image(content, path.suffix, f"{figure.title}. {figure.caption}") if fits else where
     body = f'<figure><a href="{where}">{shown}</a><figcaption>{escape(figure.caption)}</figcaption></figure>'
     return Part(figure.path, figure.title, body)
-
-
-def diagnostics(chains: Mapping[str, pd.DataFrame]) -> Section:
-    """Whether the chains of each condition agree, in a few numbers.
-
-    Args:
-        chains: By the name of its file, the diagnoses of an experiment and D: a row per condition and quantity.
-    """
-    text = (
-        f"<p>The seeds of a condition are chains of one posterior where all words, or none, are heard. R-hat "
-        f"(rank-normalised, split) is near 1 where chains agree, and infinite (∞) where each stays at a value of its "
-        f"own. It is taken of the log joint, the number of categories in use, whether pairs of elements share a "
-        f"category, and the share of words that each channel explains; what is the same in all chains says nothing "
-        f"and does not count. Where chains do not agree (R-hat above {AGREE}), a last state is a mode that a chain "
-        f"has found, not a summary of the posterior.</p>"
-    )
-    parts = tuple(
-        Part(f"diagnostics_{name}", _of_data(frame), table(_agreement(frame)) + _files([f"diagnostics/{name}.html"]))
-        for name, frame in chains.items()
-    )
-    return Section("diagnostics", "Diagnostics", text, parts)
-
-
-def _of_data(frame: pd.DataFrame) -> str:
-    return f"Chains, {frame.experiment.iloc[0]}, D = {frame.D.iloc[0]}"
-
-
-def _agreement(frame: pd.DataFrame) -> pd.DataFrame:
-    keys = varying(frame, ROW_KEYS, "ROW", "method")
-    rows = []
-    for values, own in frame.groupby(keys, sort=False):
-        told = own.dropna(subset=["r_hat"])
-        log_joint = own.loc[own.quantity == "log_joint", "r_hat"]
-        names = dict(zip(keys, values, strict=True))
-        rows.append(
-            {("ROW (%)" if key == "ROW" else key): value for key, value in names.items()}
-            | {
-                "method": METHODS[str(names["method"])].label,
-                "R-hat of the log joint": _short(log_joint.max()),
-                "largest R-hat": _short(told.r_hat.max()),
-                f"R-hat above {AGREE}": f"{(told.r_hat > AGREE).sum()} of {len(told)}",
-                "smallest effective sample size": _short(told.ess_bulk.min()),
-            }
-        )
-    return pd.DataFrame(rows)
-
-
-def _short(value: float) -> str:
-    if np.isnan(value):
-        return "–"
-    return "∞" if np.isinf(value) else f"{value:.3g}"

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from evaluation.scores import ROW_KEYS, SHARED
+from evaluation.scores import ROW_KEYS, SHARED, UNITS
 from evaluation.uncertain.instructions import KINDS, Instruction
 from model import Fit
 from model.data import Floats
@@ -98,9 +98,9 @@ def answer_uncertain(
 
 
 def read_uncertain(paths: Iterable[Path]) -> pd.DataFrame:
-    """Read and join files of the rows of `answer_uncertain`."""
+    """Read and join files of the rows of `answer_uncertain`; a column says which task they are of."""
     text = dict.fromkeys(("instruction", "ignored", "chosen"), str)
-    return pd.concat([pd.read_csv(path, dtype=text) for path in paths], ignore_index=True)
+    return pd.concat([pd.read_csv(path, dtype=text) for path in paths], ignore_index=True).assign(task="uncertain")
 
 
 def of_condition(answered: pd.DataFrame, condition: Mapping[str, object]) -> pd.DataFrame:
@@ -111,4 +111,4 @@ def of_condition(answered: pd.DataFrame, condition: Mapping[str, object]) -> pd.
 
 def by_seed(answered: pd.DataFrame, group: str, measures: Iterable[str]) -> pd.DataFrame:
     """The mean of each measure for each fit and value of a column, a row each; measures as columns."""
-    return answered.groupby([*ROW_KEYS, "seed", group], sort=False)[list(measures)].mean().reset_index()
+    return answered.groupby([*ROW_KEYS, *UNITS, group], sort=False)[list(measures)].mean().reset_index()

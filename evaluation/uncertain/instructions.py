@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from evaluation.measures import Words
+from evaluation.scores import Words
 from evaluation.uncertain.scenes import OBJECT_CHANNELS, Scene, places_of, scene_of, with_twin
 from features.table import FeatureTable
 

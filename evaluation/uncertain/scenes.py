@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from evaluation.generation import objects_of
-from evaluation.measures import Words
+from evaluation.scores import Words
 from features.table import FeatureTable
 from model.data import Floats
 

@@ -12,10 +12,12 @@ from evaluation.scores import COLUMNS
 Values = Mapping[tuple[str, str, int, int, str], Sequence[float]]
 
 
-def scores_of(values: Values, experiment: str = "simulator", variant: str = "default") -> pd.DataFrame:
+def scores_of(
+    values: Values, experiment: str = "simulator", variant: str = "default", dataset: int = 1
+) -> pd.DataFrame:
     """The rows of `scores.csv` that hold these values."""
     rows = [
-        (experiment, variant, task, method, "published", D, ROW, seed, measure, value)
+        (experiment, dataset, variant, task, method, "published", D, ROW, seed, measure, value)
         for (task, method, D, ROW, measure), by_seed in values.items()
         for seed, value in enumerate(by_seed, 1)
     ]

@@ -15,7 +15,7 @@ PAIRS = [("reach", "grasp"), ("reach", "grasp"), ("red", "red"), ("blue", "hello
 
 @pytest.fixture
 def described() -> pd.DataFrame:
-    condition: dict[str, object] = {"experiment": "own", "sampler": "published"}
+    condition: dict[str, object] = {"experiment": "own", "dataset": 1, "sampler": "published"}
     return pd.DataFrame(
         [
             condition

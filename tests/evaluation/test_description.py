@@ -28,7 +28,7 @@ def test_each_word_is_the_most_probable_of_its_channel(proposed: Fit, table: Fea
         seen = {"action": table.action[d], "position": table.position[row]}
         seen |= {"object": table.object_feature[row], "color": table.color[row]}
         for n, channel in enumerate(FRAME):
-            r = np.exp(responsibilities(proposed, channel, seen[channel][None]))[0]
+            r = np.exp(responsibilities(proposed.state, names.index(channel), seen[channel][None]))[0]
             theta = np.exp(proposed.state.log_words[names.index(channel)])
             by_word = {w: sum(r[j] * theta[j, w] for j in range(len(r))) for w in range(theta.shape[1])}
             best = max(by_word, key=lambda w: float(by_word[w]))

@@ -29,14 +29,31 @@ def test_the_page_shows_every_condition(table: FeatureTable, tmp_path: Path) -> 
     parts = [diagnose_condition(CONDITION | {"D": D}, fits) for D in (12, 20)]
     write_page("Chains", parts, tmp_path / "chains.csv", tmp_path / "chains.html")
     page = (tmp_path / "chains.html").read_text()
-    assert re.findall(r"<h2>(.*?)</h2>", page) == [f"(A) proposed, D {D}, ROW 0" for D in (12, 20)]
+    assert re.findall(r"<h2>(.*?)</h2>", page) == [f"(A) proposed, D {D}, ROW 0: red" for D in (12, 20)]
     for picture in re.findall(r"base64,([^\"]+)", page):
         assert base64.b64decode(picture).startswith(b"\x89PNG")
     assert "pairs of object in one category, the worst" in page
     assert "None" not in page
     written = pd.read_csv(tmp_path / "chains.csv")
     assert set(written["D"]) == {12, 20}
-    assert {"log_joint", "used_action", "frame_color"} <= set(written["quantity"])
+    assert {"log_joint", "used_action", "frame_color", "word_color_red"} <= set(written["quantity"])
+    assert "share of a word in color, the worst" in page
+    assert "word_color_red" not in page
+
+
+def test_words_that_no_state_tells_of_are_a_quantity_that_is_not_known(table: FeatureTable) -> None:
+    fits = chains(table)
+    for kept, unknown in ((fits, 0), ([replace(one, history=None) for one in fits], 1)):
+        found, _ = diagnose_condition(CONDITION, kept)
+        words = found[found["quantity"] == "words"]
+        assert len(words) == unknown
+        assert words["r_hat"].isna().all()
+    for problem in (
+        Problem.of(Trials.from_arrays(**table.learning_input()), "mmlda"),
+        Problem.of(fits[0].trials.keep_words(np.zeros(len(fits[0].trials.word_trial), dtype=bool)), "proposed"),
+    ):
+        silent = replace(fit(problem, Blocked(iterations=8), np.random.default_rng(0)), history=None)
+        assert "words" not in diagnose_condition(CONDITION, [silent])[0]["quantity"].tolist()
 
 
 def test_chains_that_stay_apart_are_told(table: FeatureTable) -> None:

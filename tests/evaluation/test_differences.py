@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.stats import PermutationMethod, wilcoxon
 
@@ -63,6 +64,33 @@ def test_seeds_are_paired() -> None:
         [0, "A − B", "–", "+0.100 ± 0.000 (p = 0.500, n = 2)"],
         [0, "A − C", "+0.200 ± 0.100 (p = 0.250)", "–"],
     ]
+
+
+def test_samplers_are_compared_method_by_method() -> None:
+    """The second sampler is 0.1 better with A, 0.2 worse with B; the first one is what it is compared with."""
+    first = scores_of(
+        {
+            ("csl", "proposed", 20, 0, "EAR"): [0.5, 0.6, 0.7],
+            ("csl", "no_mec2", 20, 0, "EAR"): [0.5, 0.6, 0.7],
+        }
+    )
+    shift = first["method"].map({"proposed": 0.1, "no_mec2": -0.2})
+    both = pd.concat(
+        [first.assign(sampler="published"), first.assign(sampler="mixing", value=first["value"] + shift)]
+    )
+    found = differences(both, ("EAR",), "sampler")
+    assert found[["method", "sampler", "other", "compared"]].to_numpy().tolist() == [
+        ["proposed", "mixing", "published", "sampler"],
+        ["no_mec2", "mixing", "published", "sampler"],
+    ]
+    assert found["mean"].tolist() == pytest.approx([0.1, -0.2])
+    assert readable_differences(found, ("EAR",), "sampler").to_numpy().tolist() == [
+        [0, "(A) proposed", "mixing − published", "+0.100 ± 0.000 (p = 0.250)"],
+        [0, "(B) w/o MEC-II", "mixing − published", "−0.200 ± 0.000 (p = 0.250)"],
+    ]
+    assert differences(first, ("EAR",), "sampler").empty
+    # Samplers come as the study has them, not by the alphabet.
+    assert differences(both, ("EAR",))["sampler"].tolist() == ["published", "mixing"]
 
 
 def test_a_study_of_one_method_has_no_differences() -> None:

@@ -128,9 +128,10 @@ def test_the_most_probable_fit_is_shown(proposed: Fit, out: Path) -> None:
         paths.append(out / f"{i}.npz")
         save(replace(proposed, trace_log_joint=trace), paths[-1])
     assert [place for place, _ in by_log_joint(paths)] == [1, 3, 2, 0]
-    shown = title({"experiment": "own", "variant": "few", "method": "mmlda", "D": 20, "ROW": 9}, proposed, 1, 4)
+    names = {"experiment": "own", "variant": "few", "method": "mmlda", "sampler": "mixing", "D": 20, "ROW": 9}
+    shown = title(names, proposed, 1, 4)
     assert "own, (C) mMLDA, D = 20, ROW 9 %, K = 10," in shown
-    assert "variant few, seed 2 of 4" in shown
+    assert "variant few, sampler mixing, seed 2 of 4" in shown
 
 
 def test_actions_are_told_right_from_wrong() -> None:

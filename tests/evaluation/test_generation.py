@@ -70,6 +70,22 @@ def test_the_hand_goes_to_the_object(proposed: Fit, table: FeatureTable, transfo
         assert command.finger_rate == pytest.approx(0.4)
 
 
+def test_the_mean_of_a_category_is_that_of_the_parameters_in_use(
+    proposed: Fit, table: FeatureTable, transforms: Transforms
+) -> None:
+    """At the summary categories have other numbers and means than in the last state."""
+    sampler = proposed.sampler.model_copy(update={"parameters": "mean"})
+    fit = with_mean(replace(proposed, sampler=sampler), [-1.2, -2.0, 1.0, 0.4, 0.0])
+    answered = answers(fit, table)
+    told = commands(np.random.default_rng(0), fit, transforms, table, answered, np.tile(REST, (len(answered), 1)))
+    assert any(command.target is not None for command in told)  # the means of the last state are all looks
+    for d, command in enumerate(told):
+        if command.target is not None:
+            m, k = answered[d].choices()[0]
+            mean, place = fit.knowledge.categories.mean[0][k], objects_of(table, d)["position"][m]
+            assert command.target == pytest.approx(transforms.hand_target(mean, place))
+
+
 def test_a_target_near_the_rest_posture_is_a_look(proposed: Fit, table: FeatureTable, transforms: Transforms) -> None:
     fit = with_mean(proposed, [-1.2, -2.0, 1.0, 0.4, 0.0])  # 34 cm back, 50 cm to the right, 20 cm up
     answered = answers(fit, table)

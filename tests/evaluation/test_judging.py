@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from evaluation.claims.judging import Cell, Comparison, Sum, combine, judge
+from evaluation.scores import UNITS
 
 SPREAD = [-0.02, -0.01, 0.0, 0.01, 0.02, -0.015, 0.015, 0.005, -0.005, 0.0]
 
@@ -21,8 +22,15 @@ A, B, LATER = cell("A"), cell("B"), cell("B", 40)
 ONE = Sum(constant=1.0)
 
 
+def by_seed(*sets: Sequence[float]) -> pd.Series[float]:
+    """Values of the seeds of some data sets."""
+    places = [(dataset, seed) for dataset, own in enumerate(sets, 1) for seed in range(1, len(own) + 1)]
+    values = [value for own in sets for value in own]
+    return pd.Series(values, pd.MultiIndex.from_tuples(places, names=UNITS), dtype=float)
+
+
 def verdict(comparison: Comparison, values: Mapping[Sum, Sequence[float]], seed: int = 0) -> str:
-    series = {total.terms[0][1]: pd.Series(x, range(1, len(x) + 1), dtype=float) for total, x in values.items()}
+    series = {total.terms[0][1]: by_seed(x) for total, x in values.items()}
     empty = pd.Series(dtype=float)
     return judge(comparison, lambda one: series.get(one, empty), np.random.default_rng(seed)).verdict
 
@@ -76,7 +84,7 @@ def test_seeds_are_paired_within_one_number_of_trials_only() -> None:
 
 def test_the_interval_is_the_bootstrap_of_the_mean() -> None:
     """Of ten normal seeds it is near ± 1.96 standard errors, from below because the bootstrap divides by n."""
-    values = pd.Series(np.random.default_rng(1).normal(0.0, 1.0, 200))
+    values = by_seed(np.random.default_rng(1).normal(0.0, 1.0, 200).tolist())
     judged = judge(Comparison(A, ">", Sum()), lambda _: values, np.random.default_rng(0))
     error = values.std() / np.sqrt(len(values))
     assert (judged.low, judged.high) == pytest.approx(

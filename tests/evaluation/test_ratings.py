@@ -27,7 +27,7 @@ from tests.browser import DOWNLOADED, needs_chromium, use
 
 ALLOWED = ["reach", "touch", "look-at"]
 CONDITION = {
-    "experiment": "own", "variant": "default", "sampler": "published",
+    "experiment": "own", "dataset": 1, "variant": "default", "sampler": "published",
     "D": 40, "ROW": 0, "seed": 3,
 }  # fmt: skip
 

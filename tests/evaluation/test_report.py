@@ -11,10 +11,12 @@ import pytest
 from PIL import Image
 
 from evaluation.catalogue import FIGURES, ShownFigure, shown_figure
-from evaluation.pages import origins, report
+from evaluation.convergence import GOAL, TOLERATED
+from evaluation.pages import causes, lights, origins, report, variance
 from evaluation.pages.page import Part, Section, page
 from evaluation.scores import COLUMNS
 from evaluation.table_forms import Grid, Sheet
+from evaluation.variance import variance_split
 from tests.browser import look, needs_chromium
 
 ROWS = pd.DataFrame({"EAR": ["0.5"]})
@@ -37,7 +39,12 @@ def tables() -> dict[str, Sheet]:
 
 @pytest.fixture
 def figures(tmp_path: Path) -> list[ShownFigure]:
-    names = (("words", "own"), ("positions", "own_two"), ("action", "own"), ("confusion_{method}", "own", "mmlda"))
+    names = (
+        ("words{sampler}", "own"),
+        ("positions{sampler}", "own_two", "", "_mixing"),
+        ("action", "own"),
+        ("confusion_{method}", "own", "mmlda"),
+    )
     (tmp_path / "figures").mkdir()
     shown = [shown_figure(*one) for one in names]
     for figure in shown:
@@ -58,7 +65,7 @@ def claimed() -> pd.DataFrame:
 @pytest.fixture
 def scores() -> pd.DataFrame:
     rows = [
-        (experiment, "default", task, method, "published", 5, ROW, seed, measure, 0.5)
+        (experiment, 1, "default", task, method, "published", 5, ROW, seed, measure, 0.5)
         for experiment in ("own", "own_two")
         for task, measure in (("csl", "EAR"), ("csl", "ARI_a"), ("description", "ACC"))
         for method, ROW in (("proposed", 0), ("proposed", 40), ("gmm", 100))
@@ -67,16 +74,15 @@ def scores() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-CHAINS = pd.DataFrame(
+LIGHTS = pd.DataFrame(
     [
-        ("own", "proposed", 5, 0, "log_joint", 1.25, 30.0),
-        ("own", "proposed", 5, 0, "used_action", np.inf, 7.25),
-        ("own", "proposed", 5, 0, "used_color", 1.0, 99.0),
-        ("own", "proposed", 5, 0, "same_object_0_1", np.nan, np.nan),
-        ("own", "gmm", 5, 100, "log_joint", 1.0, 50.0),
+        ("proposed", 0, 10, "red", "word_color_<b>_c", np.inf, 1.25, 7.25, 1234.5),
+        ("proposed", 40, 4, "amber", "used_action", 1.1, 1.0, 99.0, -0.3),
+        ("mmlda", 40, 1, "not checked", "", np.nan, np.nan, 20.0, np.nan),
+        ("gmm", 100, 10, "green", "log_joint", 1.0, 1.0, 500.0, -0.04),
     ],
-    columns=["experiment", "method", "D", "ROW", "quantity", "r_hat", "ess_bulk"],
-).assign(variant="default", sampler="published")
+    columns=["method", "ROW", "chains", "light", "worst", "r_hat", "log_joint_r_hat", "log_joint_ess", "below_truth"],
+).assign(experiment="own", dataset=1, variant="default", sampler="published", D=5)
 EXPERIMENTS = ("own", "own_two")
 COMPARISONS = pd.DataFrame({"comparison": ["A > B"], "verdict": ["holds"]})
 
@@ -89,9 +95,11 @@ def whole(
     sections = [
         report.about("own.yaml", dict.fromkeys(EXPERIMENTS, "simulated trials"), scores),
         report.claims(claimed, claimed, tables),
+        causes.section(pd.concat([scores, scores.assign(sampler="other", value=1.0)])),
+        variance.section(variance_split(scores)),
         report.tables(tables),
         report.figures(figures, tmp_path),
-        report.diagnostics({"own_D5": CHAINS}),
+        lights.section(LIGHTS),
         origins.settings("own.yaml", {"own": {"words": {"color": ["rouge", "grün"]}, "K": 10}}),
         origins.versions("3.11", {"numpy": "2.0"}, {"code": "0a1b"}),
         origins.reproduction("own.yaml"),
@@ -104,7 +112,7 @@ def whole(
 def test_the_size_of_the_study_is_counted(scores: pd.DataFrame) -> None:
     body = report.about("own.yaml", {"own": "simulated trials", "own_two": "those of own"}, scores).body
     assert f"{2 * 3 * 3} fits of the model, and {len(scores)} measures" in body
-    row = ("own_two", "those of own", "5", "0, 40", "(A) proposed, ALL", "3", "9")
+    row = ("own_two", "those of own", "5", "0, 40", "(A) proposed, ALL", "1", "3", "9")
     assert "".join(f"<td>{cell}</td>" for cell in row) in body
 
 
@@ -148,11 +156,11 @@ def test_every_table_has_its_anchor(tables: dict[str, Sheet]) -> None:
 
 def test_figures_say_what_they_show(figures: list[ShownFigure], tmp_path: Path) -> None:
     parts = report.figures(figures, tmp_path).parts
-    titles = ["Words, own", "Positions, own_two", "Action, own", "Confusion mmlda, own"]
+    titles = ["Words, own", "Positions mixing, own_two", "Action, own", "Confusion mmlda, own"]
     assert [part.title for part in parts] == titles
     assert len({part.anchor for part in parts}) == len(parts)
     assert "In the paper: Figures 4A and 8A." in parts[0].body
-    assert FIGURES["positions"].caption in parts[1].body
+    assert FIGURES["positions{sampler}"].caption in parts[1].body
     assert 'src="data:image/gif;base64,' in parts[2].body
 
 
@@ -164,12 +172,28 @@ def test_a_large_animation_is_linked(figures: list[ShownFigure], tmp_path: Path)
     assert '<a href="figures/own_action.gif">figures/own_action.gif</a>' in body
 
 
-def test_diagnostics_tell_the_worst() -> None:
-    (part,) = report.diagnostics({"own_D5": CHAINS}).parts
+def test_each_condition_has_a_light_with_a_word() -> None:
+    section = lights.section(LIGHTS)
+    (part,) = section.parts
     assert (part.anchor, part.title) == ("diagnostics_own_D5", "Chains, own, D = 5")
-    rows = [re.findall("<td>(.*?)</td>", row) for row in part.body.split("<tr>")[2:]]
-    assert rows == [["0", "(A) proposed", "1.25", "∞", "2 of 3", "7.25"], ["100", "ALL", "1", "1", "0 of 1", "50"]]
+    assert "Of 4 conditions: 1 red, 1 amber, 1 not checked, 1 green." in section.body
+    rows = [re.findall("<td.*?>(.*?)</td>", row) for row in part.body.split("<tr>")[2:]]
+    told = [[re.sub("<[^>]*>", "", cell) for cell in row] for row in rows]
+    assert told == [
+        ["0", "(A) proposed", "red", "share of “&lt;b&gt;_c” in color", "∞", "1.25", "7.25", "10", "1,234.5"],
+        ["40", "(A) proposed", "amber", "categories in use, action", "1.1", "1", "99", "4", "−0.3"],
+        ["40", "(C) mMLDA", "not checked", "–", "–", "–", "20", "1", "–"],
+        ["100", "ALL", "green", "log joint", "1", "1", "500", "10", "0.0"],
+    ]
+    assert len({re.findall('class="(.*?)"', row[2])[0] for row in rows}) == 4
     assert 'href="diagnostics/own_D5.html"' in part.body
+
+
+def test_the_rules_of_the_lights_name_each_light_and_the_thresholds(tmp_path: Path) -> None:
+    lights.write_lights(LIGHTS, tmp_path / "diagnostics.html")
+    text = re.sub(r"<[^>]*>", " ", (tmp_path / "diagnostics.html").read_text(encoding="utf-8"))
+    for said in ("red  All else", str(GOAL), str(TOLERATED), "1.01 and 400", "Vehtari et al. (2021)", "1,000 times"):
+        assert said in text
 
 
 def test_two_pieces_of_one_anchor_are_refused() -> None:

@@ -9,31 +9,39 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from evaluation.measures import Learned, measured
+from evaluation.learned import Learned
+from evaluation.measures import measured
 from evaluation.scores import COLUMNS, read_scores, score_rows, write_csv, write_scores
+from evaluation.truth import truth_log_joint
 from features.table import FeatureTable
-from model import Fit
+from model import Fit, History
+from model.state import Partition
+from model.summaries import summarise
 from tests.evaluation.conftest import fit_of
 from tests.synthetic import WORDS
 
 CONDITION = {"experiment": "own", "variant": "default", "task": "csl", "method": "proposed", "sampler": "published"}
-NUMBERS = {"D": 12, "ROW": 0, "seed": 1}
+NUMBERS = {"dataset": 1, "D": 12, "ROW": 0, "seed": 1}
 
 
 def perfect(fit: Fit, table: FeatureTable) -> Fit:
-    """The fit with the truth in place of what was estimated."""
+    """The fit with the truth in place of what was estimated, in the last state and in each kept one."""
     truths = [getattr(table, f"truth_{channel.name}") for channel in fit.trials.channels]
     z = tuple(np.unique(truth, return_inverse=True)[1] for truth in truths)
     channel = {word: c for c, name in enumerate(WORDS) for word in WORDS[name]}
     F = np.array([channel[fit.trials.vocabulary[w]] for w in fit.trials.words[0]])
-    return replace(fit, state=replace(fit.state, z=z, F=F))
+    history = History.of(np.arange(1, 16), [Partition(z, F)] * 15)
+    state = replace(fit.state, z=z, F=F)
+    return replace(fit, state=state, history=history, summary=summarise(fit.problem, history))
 
 
 def test_the_truth_scores_one(proposed: Fit, table: FeatureTable) -> None:
+    """Of the last state, of the summary, and in every kept state, when all of them are the truth."""
     measures = measured("csl", Learned(perfect(proposed, table), table), WORDS)
-    assert {name: value for name, value in measures.items() if name.startswith(("ARI", "EAR"))} == dict.fromkeys(
-        ("ARI_a", "ARI_p", "ARI_o", "ARI_c", "ARI_p_attended", "ARI_o_attended", "ARI_c_attended", "EAR"), 1.0
-    )
+    agreements = {name: value for name, value in measures.items() if name.startswith(("ARI", "EAR"))}
+    assert len(agreements) == 14 + 8 + 4
+    assert agreements == pytest.approx(dict.fromkeys(agreements, 1.0))
+    assert measures["word_entropy"] == 0.0
     assert measures["used_a"] == len(set(table.truth_action or ()))
 
 
@@ -57,9 +65,56 @@ def test_a_wrong_frame_costs_one_word(proposed: Fit, table: FeatureTable) -> Non
     assert measures["EAR"] == pytest.approx(1 - 1 / len(F))
 
 
+def test_the_last_state_the_mode_and_the_interval_are_measured_apart(proposed: Fit, table: FeatureTable) -> None:
+    """Ten states after a burn-in of a third; the first word is wrong in all of them but one."""
+    fit = perfect(proposed, table)
+    assert fit.history is not None
+    F = fit.history.F.copy()
+    F[5:14, 0] = (F[0, 0] + 1) % 4
+    z = list(fit.history.z)
+    z[3] = z[3].copy()
+    z[3][5:14] = 0
+    history = replace(fit.history, F=F, z=tuple(z))
+    sampler = fit.sampler.model_copy(update={"burn_in": 1 / 3})
+    fit = replace(fit, sampler=sampler, history=history)
+    assert fit.kept is not None
+    assert fit.kept.iterations.tolist() == list(range(6, 16))
+    fit = replace(fit, summary=summarise(fit.problem, fit.kept))
+    measures = measured("csl", Learned(fit, table), WORDS)
+    wrong = 1 - 1 / F.shape[1]
+    assert measures["EAR"] == 1.0
+    assert measures["EAR_mode"] == pytest.approx(wrong)
+    along = [wrong] * 9 + [1.0]
+    assert measures["EAR_low"] == pytest.approx(wrong)
+    assert measures["EAR_high"] == pytest.approx(np.quantile(along, 0.975))
+    assert (measures["ARI_c"], measures["ARI_c_summary"], measures["ARI_c_attended_summary"]) == (1.0, 0.0, 0.0)
+    assert measures["ARI_c_low"] == 0.0
+    assert measures["ARI_o_low"] == pytest.approx(1.0)
+    entropy = -(0.9 * np.log(0.9) + 0.1 * np.log(0.1))
+    assert measures["word_entropy"] == pytest.approx(entropy / F.shape[1])
+    assert measures["log_joint"] == pytest.approx(fit.trace_log_joint[5:].mean(), rel=1e-12)
+
+
+def test_the_truth_has_a_log_joint_of_its_own(proposed: Fit, table: FeatureTable) -> None:
+    """It hangs on data, method and priors, not on what a fit has found."""
+    found, right = (measured("csl", Learned(fit, table), WORDS) for fit in (proposed, perfect(proposed, table)))
+    assert found["log_joint_truth"] == right["log_joint_truth"] == truth_log_joint(proposed.problem, table, WORDS)
+    unknown = measured("csl", Learned(proposed, replace(table, truth_action=None)), WORDS)
+    assert unknown["log_joint_truth"] is None
+    assert unknown["log_joint"] == found["log_joint"]
+
+
+def test_without_kept_states_measures_of_the_summary_are_empty(proposed: Fit, table: FeatureTable) -> None:
+    measures = measured("csl", Learned(replace(proposed, history=None, summary=None), table), WORDS)
+    empty = {name for name, value in measures.items() if value is None}
+    assert empty == {name for name in measures if name.endswith(("_low", "_high", "_summary", "_mode", "_entropy"))}
+    assert len(empty) == 8 + 2 + 7 + 1 + 1
+
+
 @pytest.mark.parametrize(("method", "words"), [("mmlda", True), ("proposed", False), ("gmm", False)])
 def test_ear_is_empty_without_frames_or_words(table: FeatureTable, method: str, words: bool) -> None:
-    assert measured("csl", Learned(fit_of(table, method, words), table), WORDS)["EAR"] is None
+    measures = measured("csl", Learned(fit_of(table, method, words), table), WORDS)
+    assert {measures[name] for name in ("EAR", "EAR_mode", "EAR_low", "EAR_high", "word_entropy")} == {None}
 
 
 def test_score_files_keep_every_digit(out: Path) -> None:

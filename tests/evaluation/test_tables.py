@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from evaluation.catalogue import Table, files_of_tables, tables_of
-from evaluation.measures import chance_note, shown
+from evaluation.measures import chance_note, ranked, shown
 from evaluation.rendering import write
 from evaluation.scores import COLUMNS
 from evaluation.tables import best, readable, select, sheet_of_scores, summarise
@@ -29,7 +29,7 @@ MEASURES = ("ARI_a", "EAR")
 @pytest.fixture
 def scores() -> pd.DataFrame:
     rows = [
-        ("own", "default", "csl", method, "published", D, ROW, seed + 1, measure, value + (D == 40))
+        ("own", 1, "default", "csl", method, "published", D, ROW, seed + 1, measure, value + (D == 40))
         for (method, ROW), values in VALUES.items()
         for D in (40, 20)
         for seed, value in enumerate(values)
@@ -62,9 +62,9 @@ def test_one_seed_has_no_deviation(scores: pd.DataFrame) -> None:
 
 def test_keys_that_do_not_change_are_left_out(scores: pd.DataFrame) -> None:
     both = summarise(select(scores, Table("All", "own", ("csl",))), ("EAR",))
-    assert list(readable(both, ("EAR",)).columns) == ["D", "ROW (%)", "method", "EAR", "seeds"]
+    assert list(readable(both, ("EAR",)).columns) == ["D", "ROW (%)", "method", "EAR", "data sets", "seeds"]
     one = summarise(select(scores, TABLE), MEASURES)
-    assert list(readable(one, MEASURES).columns) == ["ROW (%)", "method", "ARI_a", "EAR", "seeds"]
+    assert list(readable(one, MEASURES).columns) == ["ROW (%)", "method", "ARI_a", "EAR", "data sets", "seeds"]
 
 
 class Cells(HTMLParser):
@@ -120,8 +120,21 @@ def test_chance_stands_beside_its_measure() -> None:
     values = {("generation", "proposed", 40, 0, m): v for m, v in (("OAR", [1.0, 0.5]), ("OAR_chance", [0.4, 0.4]))}
     summary = summarise(scores_of(values), ("WAR", "OAR"))
     shown = readable(summary, ("WAR", "OAR"))
-    assert list(shown.columns) == ["ROW (%)", "method", "WAR", "OAR", "OAR by chance", "seeds"]
-    assert shown.iloc[0].tolist()[2:] == ["–", "0.750 ± 0.354", "0.400", 2]
+    assert list(shown.columns) == ["ROW (%)", "method", "WAR", "OAR", "OAR by chance", "data sets", "seeds"]
+    assert shown.iloc[0].tolist()[2:] == ["–", "0.750 ± 0.354", "0.400", 1, 2]
+
+
+def test_measures_that_do_not_rank_are_neither_marked_nor_compared() -> None:
+    assert ranked(("EAR", "word_entropy", "EAR_low", "used_a", "EAR_mode")) == ("EAR", "EAR_mode")
+
+
+def test_an_optional_measure_is_shown_where_some_fit_defines_it(scores: pd.DataFrame) -> None:
+    mode = scores[scores["measure"] == "EAR"].assign(measure="EAR_mode")
+    for more, expected in ((mode, True), (mode.assign(value=np.nan), False)):
+        sheet = sheet_of_scores(pd.concat([scores, more], ignore_index=True), TABLE)
+        assert ("EAR_mode" in sheet.grids[0].cells) is expected
+        assert ("EAR_mode_best" in sheet.data[".csv"]) is expected
+        assert "EAR" in sheet.grids[0].cells
 
 
 def test_table_5_shows_both_tasks(tmp_path: Path) -> None:

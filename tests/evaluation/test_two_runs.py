@@ -63,6 +63,9 @@ def cell(values: list[float]) -> pd.DataFrame:
         ([np.nan, np.nan], [np.nan, np.nan], "the same"),
         ([np.nan, np.nan], [np.nan, np.nan, np.nan], "the same"),
         ([0.5], [0.5], "the same"),
+        ([0.5, 0.7], [0.5, 0.7 + 1e-9], "the same but for the last digits"),
+        ([0.5], [0.5 + 1e-8], "the same but for the last digits"),
+        ([0.5, 0.7], [0.5, 0.701], "explained by the seeds"),
         ([0.5], [0.6], "too few seeds to say"),
     ],
 )
@@ -76,6 +79,20 @@ def test_cells_of_one_run_only_are_told_and_change_nothing() -> None:
     assert compared.explained
     assert "1 cells are only in the results:\n  real default published csl D 20: 1 of EAR\n" in compared.summary()
     assert "only in the reference" in compare(run(1), more).summary()
+
+
+def test_verdicts_are_compared_where_both_runs_have_one(tmp_path: Path) -> None:
+    told = {"one": ["holds", "not run", "holds"], "other": ["not decidable", "holds", "holds"]}
+    for name, verdicts in told.items():
+        (tmp_path / name).mkdir()
+        write_csv(run(1), tmp_path / name / "scores.csv")
+        write_csv(pd.DataFrame({"claim": [1, 2, 3], "verdict": verdicts, "note": ""}), tmp_path / name / "claims.csv")
+    done = command(tmp_path / "one", tmp_path / "other")
+    assert done.returncode == 1
+    assert done.stdout.endswith(
+        "2 claims are in both runs, 1 of them with the same verdict\n  claim 1: holds against not decidable\n"
+    )
+    assert command(tmp_path / "one", tmp_path / "one").returncode == 0
 
 
 def command(*folders: Path) -> subprocess.CompletedProcess[str]:

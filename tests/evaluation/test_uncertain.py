@@ -34,6 +34,7 @@ from tests.synthetic import WORDS
 CHANNEL_OF = {word: channel for channel, own in WORDS.items() for word in own}
 CONDITION = {
     "experiment": "own",
+    "dataset": 1,
     "variant": "default",
     "method": "proposed",
     "sampler": "published",

@@ -1,0 +1,43 @@
+"""The section of the report that tells what varies from data set to data set from what varies from seed to seed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from evaluation.pages.page import Section, wide
+from evaluation.scores import varying
+from evaluation.table_forms import Grid, fragment
+from evaluation.templates import render
+from evaluation.variance import SPLIT, pooled
+from model import METHODS
+
+
+def section(split: pd.DataFrame) -> Section:
+    """The two parts of the variance of each measure, and the share of the data sets.
+
+    Args:
+        split: The rows of `variance.csv`, as `evaluation.variance.variance_split` gives them.
+    """
+    found = pooled(split)
+    shown = wide(fragment(Grid("", _cells(found)), captioned=False)) if len(found) else ""
+    alone = sorted(split.loc[split["datasets"] == 1, "experiment"].unique())
+    return Section("variance", "Data sets and seeds", render("variance.html", table=shown, alone=alone))
+
+
+def _cells(found: pd.DataFrame) -> pd.DataFrame:
+    """A row for each experiment, sampler and method, a column for each measure: `between | within (share)`."""
+    keys = ["experiment", "sampler", "method"]
+    numbers = zip(found["between"], found["within"], found["share_between"], strict=True)
+    texts = found[keys].assign(measure=found["measure"], text=[_cell(*values) for values in numbers])
+    rows = found[keys].drop_duplicates(ignore_index=True)
+    measures = [measure for measure in SPLIT if measure in set(found["measure"])]
+    wide_texts = texts.pivot(index=keys, columns="measure", values="text")[measures]
+    shown = rows.join(wide_texts.fillna("–"), on=keys)
+    shown["method"] = [METHODS[name].label for name in rows["method"]]
+    return shown[[*varying(rows, keys, "method"), *measures]]
+
+
+def _cell(between: float, within: float, share: float) -> str:
+    part = "–" if np.isnan(share) else f"{share:.0%}"
+    return f"{between:.3f} | {within:.3f} ({part})"
