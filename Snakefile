@@ -39,4 +39,5 @@ rule all:
         expand("tables/{file}", file=files_of_tables(TABLES)),
         list(figure_files()),
         list(rating_keys()),
+        "diagnostics.html",
         expand("diagnostics/{chains}.html", chains=diagnosed()),

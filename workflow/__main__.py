@@ -61,7 +61,7 @@ def _command(arguments: argparse.Namespace) -> int:
         case "check":
             study = load_study(arguments.config)
             fits = sum(1 for name in study.experiments for _ in study.conditions(name))
-            _print(f"{arguments.config}: {len(study.experiments)} experiments, {fits} fits, no problem found")
+            _print(f"{arguments.config}: {len(study.first_sets)} experiments, {fits} fits, no problem found")
         case "verify":
             from workflow.artifacts.manifest import verify
 

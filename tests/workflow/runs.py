@@ -78,7 +78,7 @@ def wait_until(true: Callable[[], bool], process: subprocess.Popen[str], patienc
 def jobs(out: Path) -> Counter[str]:
     """How many jobs of each rule finished in a folder since `forget`, by Snakemake's own logs."""
     texts = [log.read_text(encoding="utf-8") for log in (out / ".snakemake" / "log").glob("*")]
-    return Counter(re.findall(r"Finished jobid: \d+ \(Rule: (\w+)\)", "".join(texts)))
+    return Counter(re.findall(r"Finished jobid: \d+ \(Rule: ([\w.]+)\)", "".join(texts)))
 
 
 def hashes(out: Path) -> dict[str, str]:

@@ -48,7 +48,7 @@ OVERRIDES: dict[str, Any] = {
             "only": {"methods": ["proposed"], "samplers": ["slow"], "D": [20], "ROW": [0]},
         }
     },
-    "figure": {"variant": "small_alpha", "method": "proposed", "sampler": "slow", "D": 20, "ROW": 0},
+    "figure": {"variant": "small_alpha", "method": "proposed", "samplers": ["slow"], "D": 20, "ROW": 0},
     "samplers": {
         kind: sample({"$ref": f"#/$defs/{kind.capitalize()}"}, {}) | {"kind": kind}
         for kind in ("blocked", "collapsed")
@@ -153,9 +153,29 @@ def test_broken_key_is_named(path: tuple[str | int, ...], broken: dict[str, Any]
             "proposed is not run (allowed: mmlda, from experiments.own.methods)",
         ),
         (
-            {"samplers": {"a": {"kind": "blocked"}}, "figure": {"sampler": "b"}},
-            "experiments.own.figure.sampler",
+            {"samplers": {"a": {"kind": "mixing"}}, "methods": ["proposed", "mmlda_released"]},
+            "experiments.own",
+            "no sampler can fit method mmlda_released (add one of kind blocked)",
+        ),
+        (
+            {"samplers": {"a": {"kind": "blocked"}}, "figure": {"samplers": ["a", "b"]}},
+            "experiments.own.figure.samplers[1]",
             "b is not run (allowed: a, from experiments.own.samplers)",
+        ),
+        (
+            {"variants": {"own": {"mean_precision": {"action": "lerned"}}}},
+            "experiments.own.variants.own.mean_precision.action",
+            "'lerned' is unknown; did you mean 'learned'? (a number above 0 or `learned`)",
+        ),
+        (
+            {"variants": {"own": {"mean_precision": 0}}},
+            "experiments.own.variants.own.mean_precision",
+            "0 must be more than 0 (κ0, the pseudo-observations behind m0; learned:",
+        ),
+        (
+            {"variants": {"own": {"mean_precision": "learned", "mean_precision_range": [10, 1]}}},
+            "experiments.own.variants.own.mean_precision_range",
+            "the smaller number comes first",
         ),
         (
             {"variants": {"few": {"only": {"samplers": ["released"]}}}},
@@ -182,6 +202,15 @@ def test_broken_key_is_named(path: tuple[str | int, ...], broken: dict[str, Any]
             "experiments.own.figure",
             "no fit has variant b, D 6 (allowed: ",
         ),
+        (
+            {
+                "samplers": {"a": {"kind": "blocked"}, "b": {"kind": "mixing"}},
+                "variants": {"few": {"only": {"samplers": ["a"]}}, "all": {}},
+                "figure": {"variant": "few", "samplers": ["a", "b"]},
+            },
+            "experiments.own.figure",
+            "no fit has variant few, samplers a, b (allowed: ",
+        ),
         ({"data": "own"}, "experiments.own.data", "is no other experiment"),
         ({"data": "other"}, "experiments.own.data", "'other' is no other experiment (allowed: there is none)"),
         ({"features": {"trials": "a", "objects": "b"}, "logs": "c"}, "experiments.own", "features and logs exclude"),
@@ -202,6 +231,14 @@ def test_broken_key_is_named(path: tuple[str | int, ...], broken: dict[str, Any]
         ),
         ({"features": {"trials": "a", "objects": "b"}}, "experiments.own.features.trials", "is not a file"),
         ({"logs": "nowhere"}, "experiments.own.logs", "calibration.mcap is not a file"),
+        ({"logs": ["nowhere", "else"]}, "experiments.own.logs[1]", "calibration.mcap is not a file"),
+        (
+            {"features": [{"trials": "a", "objects": "b"}, {"trials": "c", "objects": "d"}]},
+            "experiments.own.features[1].trials",
+            "is not a file",
+        ),
+        ({"logs": "nowhere", "datasets": 2}, "experiments.own.datasets", "has no effect with logs (remove it)"),
+        ({"datasets": 1000, "seeds": 100}, "experiments.own", "fewer data sets, seeds"),
         ({"words": WORDS | {"position": ["front", "behind"]}}, "experiments.own.simulation", "behind"),
     ],
 )
@@ -216,13 +253,24 @@ def test_contradictions_are_named(change: dict[str, Any], where: str, says: str)
     [
         (
             {"trails": 5},
-            ": unknown key 'trails'; did you mean 'trials'? (allowed: D, K, ROW, data, description, "
-            "feature_extraction, features, figure, generation, logs, methods, samplers, seed, seeds, simulation, "
-            "trials, trials_per_job, variants, words)",
+            ": unknown key 'trails'; did you mean 'trials'? (allowed: D, K, ROW, data, datasets, "
+            "description, diagnostics, feature_extraction, features, figure, generation, logs, methods, samplers, "
+            "seed, seeds, simulation, trials, trials_per_job, variants, words)",
         ),
         ({"D": None}, ": key 'D' is missing (numbers of training trials; the first D are used)"),
         ({"ROW": [0, 140]}, ".ROW[1]: 140 is more than the maximum of 100 (a whole number from 0 to 100)"),
         ({"ROW": [0, True]}, ".ROW[1]: True must be a whole number from 0 to 100"),
+        (
+            {"datasets": 0},
+            ".datasets: 0 is less than the minimum of 1 (data sets to simulate, each by itself, and to run with all "
+            "conditions and seeds; tables and claims are then over data sets, and over seeds within them. More data "
+            "sets leave the earlier ones alone)",
+        ),
+        (
+            {"features": [{"trials": "a"}]},
+            ".features[0]: key 'objects' is missing (a path, relative to the folder of the config file)",
+        ),
+        ({"logs": ["a", 5]}, ".logs[1]: 5 must be text (a path, relative to the folder of the config file)"),
         (
             {"simulation": {"light": {"direction": [1, 2]}}},
             ".simulation.light.direction: [1, 2] needs 3 entries (from the table to the lamp)",
@@ -235,7 +283,7 @@ def test_contradictions_are_named(change: dict[str, Any], where: str, says: str)
         (
             {"methods": ["propsed"]},
             ".methods[0]: 'propsed' is unknown; did you mean 'proposed'? (allowed: proposed, no_mec2, "
-            "mmlda, gmm)",
+            "mmlda, mmlda_released, gmm)",
         ),
         (
             {"K": {"aktion": 5}},
@@ -256,16 +304,24 @@ def test_contradictions_are_named(change: dict[str, Any], where: str, says: str)
         ),
         (
             {"samplers": {"fast": {"kind": "bloked"}}},
-            ".samplers.fast.kind: 'bloked' is unknown; did you mean 'blocked'? (allowed: blocked, collapsed)",
+            ".samplers.fast.kind: 'bloked' is unknown; did you mean 'blocked'? (allowed: blocked, collapsed, mixing)",
         ),
         (
             {"samplers": {"fast": {"iterations": 5}}},
-            ".samplers.fast: key 'kind' is missing (allowed: blocked, collapsed)",
+            ".samplers.fast: key 'kind' is missing (allowed: blocked, collapsed, mixing)",
         ),
         (
             {"samplers": {"fast": {"kind": "collapsed", "averaged_draws": 5}}},
-            ".samplers.fast: unknown key 'averaged_draws' (allowed: chains, iterations, keep_history, "
-            "kind, temperature)",
+            ".samplers.fast: unknown key 'averaged_draws' (allowed: burn_in, chains, iterations, "
+            "keep_history, kind, parameters, temperature)",
+        ),
+        (
+            {"samplers": {"fast": {"kind": "mixing", "burn_in": 0.1}}},
+            ".samplers.fast.burn_in = 0.1 would keep annealed states (at least 0.3)",
+        ),
+        (
+            {"samplers": {"fast": {"kind": "collapsed", "parameters": "mean", "keep_history": 0}}},
+            ".samplers.fast.parameters: mean needs kept states (keep_history 1 or more)",
         ),
         (
             {"samplers": {"fast": {"kind": "blocked", "iterations": 10**30}}},

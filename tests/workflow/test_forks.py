@@ -18,6 +18,7 @@ import psutil
 import pytest
 from snakemake.iocontainers import InputFiles
 
+from data_collection.processor import PINNED
 from tests.synthetic import write_own_study
 from tests.workflow.runs import command, hashes, run
 from workflow.artifacts.provenance import ROOT
@@ -92,8 +93,7 @@ def test_stopping_leaves_no_process(in_forks: Path) -> None:
 
 def test_what_is_loaded_runs_no_thread() -> None:
     """A fork has the thread that forked only: a lock that another one held would never be released."""
-    pins = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA")}
-    environment = {**os.environ, **pins, "LOADED_SCRIPTS": os.pathsep.join(map(str, SCRIPTS))}
+    environment = {**os.environ, **PINNED, "LOADED_SCRIPTS": os.pathsep.join(map(str, SCRIPTS))}
     text = (
         "import os, sys, workflow.execution.loaded; print('torch' in sys.modules, len(os.listdir('/proc/self/task')))"
     )

@@ -52,7 +52,8 @@ def test_keys_in_jobs_are_those_of_the_plan(run: Run, out: Path) -> None:
             assert record.explains_its_key()
 
 
-WRITTEN = {1: "4c480f55db8cccc3154c4fd28e6e0057f94bd444c8a20a1aca7222a32ce3f4ab"}
+# 2: libraries choose other kernels, which makes no difference here.
+WRITTEN = dict.fromkeys((1, 2), "4c480f55db8cccc3154c4fd28e6e0057f94bd444c8a20a1aca7222a32ce3f4ab")
 
 
 def test_what_the_machinery_writes_belongs_to_its_format(run: Run, out: Path) -> None:

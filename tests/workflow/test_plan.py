@@ -51,6 +51,23 @@ def test_the_paths_of_the_fits() -> None:
     assert "fits/own/narrow/gmm/published/D6/ROW100/seed1.npz" in paths
 
 
+def test_chains_of_one_posterior_are_seeds_or_further_fits_of_the_first() -> None:
+    config = minimal(ROW=[0, 40], seeds=2, methods=["mmlda"], diagnostics={"chains": 3})
+    own = study(config)
+    chains = {condition.ROW: own.chains(condition) for condition in own.conditions("own")}
+    folder = "fits/own/default/mmlda/published/D6"
+    assert chains[0] == [f"{folder}/ROW0/seed{seed}.npz" for seed in (1, 2)]
+    assert chains[40] == [f"{folder}/ROW40/seed1{chain}.npz" for chain in ("", "_chain2", "_chain3")]
+    assert chains[100] == [path.replace("mmlda", "gmm").replace("ROW0", "ROW100") for path in chains[0]]
+    # As many are counted as are run: 2 seeds of ROW 0, 40 and ALL, two further chains, and the simulation of a block.
+    assert own.size("own") == 2 * 3 + 2 + 1
+    for few in (0, 1):
+        config["experiments"]["own"]["diagnostics"] = {"chains": few}
+        alone = study(config)
+        assert {len(alone.chains(condition)) for condition in alone.conditions("own") if condition.ROW == 40} == {1}
+        assert alone.size("own") == 2 * 3 + 1
+
+
 def test_samplers_of_one_kind_with_different_lengths_share_their_draws() -> None:
     samplers = SHIPPED | {"long": {"kind": "blocked", "iterations": 400}}
     known = study(minimal(samplers=samplers)).experiments["own"].settings.samplers
@@ -61,15 +78,18 @@ def test_samplers_of_one_kind_with_different_lengths_share_their_draws() -> None
 
 def test_a_sampler_is_run_and_shown_where_the_config_says() -> None:
     few = {"K": 5, "only": {"samplers": ["collapsed"]}}
-    variants, figure = {"default": {}, "few": few}, {"sampler": "released"}
-    own = study(minimal(samplers=SHIPPED, seeds=1, variants=variants, figure=figure))
-    assert {c.sampler for c in own.conditions("own") if c.variant == "few"} == {"collapsed"}
-    shown = own.figure_condition("own")
-    assert shown is not None
-    assert (shown.variant, shown.sampler) == ("default", "released")
-    first = study(minimal(samplers=SHIPPED)).figure_condition("own")
-    assert first is not None
-    assert first.sampler == "published"
+
+    def shown(**figure: Any) -> dict[str, tuple[str, str] | None]:
+        own = study(minimal(samplers=SHIPPED, seeds=1, variants={"default": {}, "few": few}, figure=figure))
+        assert {c.sampler for c in own.conditions("own") if c.variant == "few"} == {"collapsed"}
+        found = own.figure_conditions("own").items()
+        return {ending: (one.variant, one.sampler) if one else None for ending, one in found}
+
+    assert shown() == {"": ("default", "published")}
+    assert shown(samplers=["released"]) == {"": ("default", "released")}
+    both = {"_released": ("default", "released"), "_collapsed": ("default", "collapsed")}
+    assert shown(samplers=["released", "collapsed"]) == both
+    assert shown(variant="few") == {"": ("few", "collapsed")}
 
 
 def test_a_variant_is_run_only_where_it_says() -> None:
@@ -101,7 +121,7 @@ def test_the_fit_that_figures_show() -> None:
 
     def shown(**figure: Any) -> tuple[str, str, int, int]:
         own = study(minimal(D=[6, 8], ROW=[0, 40], variants=variants, figure=figure))
-        condition = own.figure_condition("own")
+        condition = own.figure_conditions("own")[""]
         assert condition is not None
         assert [one.seed for one in own.seeds(condition)] == list(range(1, 11))
         return condition.variant, condition.method, condition.D, condition.ROW
@@ -178,4 +198,28 @@ def test_every_job_has_what_it_needs_where_variants_part_the_grid(tmp_path: Path
     assert all(job.inputs and job.parameters["conditions"] for job in compared)
     made = {path for job in jobs for path in job.outputs.values()}
     assert {"diagnostics/simulator_D6.csv", "descriptions/simulator_D6.csv", "scores/simulator_D8_csl.csv"} <= made
-    assert not {"diagnostics/simulator_D8.csv", "descriptions/simulator_D8.csv", "uncertain/simulator_D8.csv"} & made
+    assert not {"descriptions/simulator_D8.csv", "uncertain/simulator_D8.csv"} & made
+    (further,) = (job for job in jobs if job.rule == "fit_chain" and job.wildcards["D"] == "8")
+    assert further.outputs["[0]"].endswith("few/proposed/published/D8/ROW40/seed1_chain2.npz")
+
+
+def test_the_claims_are_about_the_study_with_more_data_sets() -> None:
+    """Of both configs data, conditions and tests are the same, so that the first data set is shared."""
+    studies = [load_study(ROOT / "config" / f"{name}.yaml") for name in ("config", "claims")]
+    plain, claims = studies
+    assert {name: len(claims.sets(name)) for name in claims.first_sets} == {"simulator": 10, "real": 10}
+    assert list(plain.experiments) == list(plain.first_sets) == list(claims.first_sets)
+    for name, own in plain.experiments.items():
+        other = claims.experiments[name]
+        assert other.words == own.words
+        for key in ("seed", "D", "ROW", "seeds", "K", "simulation", "feature_extraction", "description"):
+            left, right = (
+                getattr(one.settings, key).model_dump(exclude={"samplers"})
+                if key == "description"
+                else getattr(one.settings, key)
+                for one in (own, other)
+            )
+            assert left == right
+        assert other.priors("default") == own.priors("default")
+        paths = {condition.path for condition in plain.conditions(name)}
+        assert {condition.path for condition in claims.conditions(name)} <= paths

@@ -10,11 +10,15 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 import yaml
 
 from evaluation.catalogue import FIGURES
+from evaluation.convergence import read_lights
+from model import load
+from model.diagnostics import check_chains
 from tests.browser import look, needs_chromium
 from tests.workflow.runs import SMOKE, command, hashes, jobs, run
 from workflow.artifacts.provenance import ROOT
@@ -27,7 +31,7 @@ def test_every_stage_left_its_artifacts(finished: Path) -> None:
     for number in range(1, 7):
         assert f"mcap/simulator/train/trial_{number:04}.mcap" in found
     fits = [name for name in found if name.startswith("fits/")]
-    assert len(fits) == 2 * 2 * 2 + 2
+    assert len(fits) == 2 * 2 * 2 + 2 + 2  # with ALL, and another chain of each method at ROW 40
     assert {f"tables/simulator_csl.{form}" for form in ("csv", "md", "tex", "html")} <= set(found)
     assert {"claims.csv", "claims_comparisons.csv", "claims.html"} <= set(found)
     assert "tables/simulator_csl_differences.csv" in found
@@ -42,6 +46,35 @@ def test_every_stage_left_its_artifacts(finished: Path) -> None:
     # 2 methods × 2 instructions.
     assert {f"ratings/simulator/clips/clip_{number:03}.gif" for number in range(1, 5)} <= set(found)
     assert {"ratings/simulator/form.csv", "ratings/simulator/index.html", "ratings/simulator_key.csv"} <= set(found)
+
+
+@pytest.mark.parametrize("method", ["proposed", "mmlda"])
+def test_chains_of_one_omission_hear_the_same_and_draw_anew(finished: Path, method: str) -> None:
+    folder = finished / "fits" / "simulator" / "default" / method / "published" / "D6" / "ROW40"
+    first, further, other = (load(folder / f"seed{name}.npz") for name in ("1", "1_chain2", "2"))
+    assert np.array_equal(first.trials.words, further.trials.words)
+    assert np.array_equal(first.trials.word_trial, further.trials.word_trial)
+    assert not np.array_equal(first.trace_log_joint, further.trace_log_joint)
+    assert not np.array_equal(first.trials.words, other.trials.words)
+    check_chains([first, further])
+    with pytest.raises(ValueError, match="other words"):
+        check_chains([first, other])
+
+
+def test_every_condition_has_a_light_that_tables_and_report_tell(finished: Path) -> None:
+    """Thirty sweeps do not converge, and where seeds hear different words two chains of one omission are compared."""
+    found, diagnosed = read_lights(finished / "convergence.csv"), pd.read_csv(finished / "diagnostics.csv")
+    conditions = {("proposed", 0), ("proposed", 40), ("mmlda", 0), ("mmlda", 40), ("gmm", 100)}
+    assert set(zip(found.method, found.ROW, strict=True)) == conditions
+    assert set(zip(diagnosed.method, diagnosed.ROW, strict=True)) == conditions
+    assert found.chains.tolist() == [2] * len(conditions)
+    assert set(found.light) == {"red"}
+    words = diagnosed[(diagnosed.method == "proposed") & diagnosed.quantity.str.startswith("word_action_")]
+    assert words.groupby("ROW").size().min() > 1
+    for page in ("diagnostics.html", "report.html"):
+        assert (finished / page).read_text().count('<span class="mark no"') >= len(conditions)
+    for form in ("csl.md", "generation.html", "uncertain.tex"):
+        assert "all of sampler published" in (finished / "tables" / f"simulator_{form}").read_text()
 
 
 def test_the_counts_of_confusions_are_those_of_the_descriptions(finished: Path) -> None:
@@ -110,7 +143,7 @@ def test_damage_is_verified_and_mended(finished: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     subprocess.run(["cp", "-a", str(finished), str(out)], check=True)
     assert workflow("verify", "--out", out).returncode == 0
-    fit = next((out / "fits").rglob("*.npz"))
+    fit = next((out / "fits").rglob("seed2.npz"))
     name = fit.relative_to(out).as_posix()
     fit.write_bytes(fit.read_bytes()[:-1])
     done = workflow("verify", "--out", out)
@@ -171,12 +204,15 @@ def test_only_new_conditions_run(finished: Path, tmp_path: Path) -> None:
     ran = jobs(out)
     # 2 methods: ROW 80 × 3 seeds, ROW 0 and 40 × the new seed; ALL × the new seed.
     assert ran.pop("fit") == 2 * 3 + 2 * 2 + 1
+    assert ran.pop("fit_chain") == 2  # at ROW 80; a third seed is none of the first one's chains
     assert ran.pop("generate") == 2 * 1  # 2 methods × the new seed at ROW 0
     assert ran.pop("figure_confusion") == 2
     sums = ["evaluate_learning", "describe", "evaluate_generation", "diagnose", "scores", "tables", "claims"]
-    sums += ["uncertain", "report", "count_confusions", "ratings"]
+    sums += ["uncertain", "report", "count_confusions", "ratings", "convergence"]
     of_data = {"features", "trials", "objects"}
-    sums += [f"figure_{name}" for name in FIGURES if name not in of_data and "{" not in name]
+    # The study shows one sampler, so that each figure of a fit is one.
+    shown = [name.removesuffix("{sampler}") for name in FIGURES if name not in of_data]
+    sums += [f"figure_{name}" for name in shown if "{" not in name]
     assert ran == dict.fromkeys(sums, 1)
     after = hashes(out)
     kept = [name for name in before if name.split("/")[0] in ("mcap", "percepts", "features", "fits")]

@@ -55,12 +55,16 @@ def broken(schema: Schema, value: Any, path: Path = ()) -> Iterator[tuple[str, P
         yield from ((f"no kind {wrong!r}", path, wrong) for wrong in none_at_all)
         yield "unknown kind", (*path, "kind"), value | {"kind": "no_such_kind"}
         schema = resolved({"$ref": kinds[value["kind"]]})
-    if "oneOf" in schema:  # one value for all channels, or a mapping of values
+    if "oneOf" in schema:  # one value for all channels, or a mapping of values; one for one data set, or a list
+        kinds = {one.get("type"): one for one in map(resolved, schema["oneOf"])}
         if isinstance(value, dict):
             yield from ((f"wrong type {wrong!r}", path, wrong) for wrong in ("text", None, ["a"], True))
-            yield from _broken_mapping(resolved(schema["oneOf"][1]), value, path)
+            yield from _broken_mapping(kinds["object"], value, path)
         else:
-            yield from broken(schema["oneOf"][0], value, path)
+            found = broken(schema["oneOf"][0], value, path)
+            yield from (
+                one for one in found if not ("array" in kinds and one[1] == path and isinstance(one[2], list))
+            )
         return
     free = "const" in schema or "enum" in schema
     kinds_of_wrong: list[Any] = ["nonsense", 17, None] if free else WRONG_TYPES[schema["type"]]

@@ -25,9 +25,9 @@ def temporary_name(path: Path) -> Path:
     return path.parent / f".{path.name}.{os.getpid()}.part"
 
 
-def remove_any(path: Path) -> None:
-    """Remove a file or folder if it exists."""
-    if path.is_dir():
-        shutil.rmtree(path, ignore_errors=True)
+def remove_any(path: Path, ignore_errors: bool = True) -> None:
+    """Remove a file or folder if it exists; of a folder, errors may be ignored."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=ignore_errors)
     else:
         path.unlink(missing_ok=True)

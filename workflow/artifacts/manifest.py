@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from data_collection.files import replacing
+from data_collection.files import write_text
 from workflow.artifacts.records import FOLDER, Content, Record, await_record, contents
 
 MANIFEST = "manifest.json"
@@ -41,9 +41,8 @@ def write_manifest(out: Path, artifacts: Mapping[str, str], patience: float = 30
             f"a file, a setting or code changed while the study ran: {len(unplanned)} artifacts are made of "
             f"something else than it began with (the first: {unplanned[0]}); run again, and they are made anew"
         )
-    with replacing(out / MANIFEST) as (temporary,):
-        text = json.dumps({"artifacts": entries}, sort_keys=True, indent=1, ensure_ascii=False)
-        temporary.write_text(text + "\n", encoding="utf-8")
+    text = json.dumps({"artifacts": entries}, sort_keys=True, indent=1, ensure_ascii=False)
+    write_text(out / MANIFEST, text + "\n")
 
 
 def read_manifest(out: Path) -> dict[str, Record]:

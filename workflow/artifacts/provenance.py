@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 MACHINERY = "workflow"
-FORMAT = 1
+FORMAT = 2
 """Represents the machinery in every key: all of `workflow/` except the rules' scripts, which no digest includes.
 
 Raise it when a change to the machinery alters the bytes of artifacts or records, for instance what

@@ -8,7 +8,6 @@ from __future__ import annotations
 import errno
 import hashlib
 import json
-import shutil
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -17,7 +16,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from data_collection.files import replacing
+from data_collection.files import write_text
+from workflow.artifacts.copies import remove_any
 from workflow.artifacts.keys import hash_of, job_key, output_key, plain
 
 FOLDER = ".artifacts"
@@ -140,17 +140,13 @@ def await_record(out: Path, path: str, patience: float) -> Record | None:
 
 def write_record(out: Path, path: str, record: Record) -> None:
     """Write the record of an artifact."""
-    with replacing(record_path(out, path)) as (temporary,):
-        temporary.write_text(json.dumps(record.mapping(), sort_keys=True, indent=1) + "\n", encoding="utf-8")
+    write_text(record_path(out, path), json.dumps(record.mapping(), sort_keys=True, indent=1) + "\n")
 
 
 def remove(out: Path, path: str) -> None:
     """Remove an artifact and its record, if they exist."""
     record_path(out, path).unlink(missing_ok=True)
-    if (out / path).is_dir() and not (out / path).is_symlink():
-        shutil.rmtree(out / path)
-    else:
-        (out / path).unlink(missing_ok=True)
+    remove_any(out / path, ignore_errors=False)
 
 
 def verified_inputs(out: Path, paths: Mapping[str, str]) -> dict[str, Input]:

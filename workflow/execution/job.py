@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from workflow.artifacts.records import FULL, DamagedError, record_path, records_of_job, verified_inputs, write_record
-from workflow.execution.roles import by_role
+from workflow.execution.roles import by_role, paths
 from workflow.execution.turns import turn_of_job
 
 OUT = Path()  # Snakemake runs jobs in the output folder
@@ -27,7 +27,7 @@ TOOK = "took "  # begins the last line of a job's log
 
 
 @contextmanager
-def job(snakemake: Any) -> Iterator[None]:
+def job(snakemake: Any) -> Iterator[tuple[Any, Any]]:
     """Verify the inputs of a job, record its outputs, and send everything that it prints to its log.
 
     That includes the output of compiled code. Warnings also appear on the screen, and so do the message of a failure
@@ -35,6 +35,9 @@ def job(snakemake: Any) -> Iterator[None]:
 
     Args:
         snakemake: What Snakemake gives to a script: rule, input, output, params, wildcards and log.
+
+    Yields:
+        The inputs and the outputs as paths, by the names that the rule gives them.
 
     Raises:
         SystemExit: The job failed, and the reason has been shown.
@@ -57,7 +60,7 @@ def job(snakemake: Any) -> Iterator[None]:
         logging.captureWarnings(capture=True)
         try:
             with turn_of_job(OUT), recorded(snakemake):
-                yield
+                yield paths(snakemake.input), paths(snakemake.output)
         except Exception as error:
             sys.stdout.flush()
             sys.stderr.flush()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from snakemake.iocontainers import Namedlist
@@ -22,3 +23,8 @@ def by_role(items: Any) -> dict[str, Any]:
     if list(roles.values()) != list(items):
         raise ValueError(f"{items}: what has no name must come first")
     return roles
+
+
+def paths(files: Namedlist) -> Namedlist:
+    """Files that Snakemake lists (input, output) as paths, under the same names."""
+    return Namedlist(files, custom_map=Path)

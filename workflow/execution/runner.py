@@ -11,6 +11,7 @@ from collections.abc import Collection, Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from workflow.artifacts.copies import remove_any
 from workflow.artifacts.manifest import write_manifest
 from workflow.artifacts.provenance import ROOT
 from workflow.artifacts.records import FOLDER
@@ -125,8 +126,4 @@ def _remove_parts(out: Path) -> None:
             name for name in inner if not any(Path(folder, name, sign).exists() for sign in (FOLDER, RUNNING))
         ]
         for name in [each for each in (*inner, *files) if each.startswith(".") and each.endswith(".part")]:
-            part = Path(folder, name)
-            if part.is_dir():
-                shutil.rmtree(part, ignore_errors=True)
-            else:
-                part.unlink(missing_ok=True)
+            remove_any(Path(folder, name))

@@ -7,7 +7,7 @@ from pathlib import PurePath
 from typing import Any
 
 from workflow.plan.config_types import CHANNELS
-from workflow.plan.study import Experiment
+from workflow.plan.experiment import Experiment
 from workflow.plan.variants import HYPERPARAMETERS
 
 SOURCES = {"simulation": "simulated trials", "logs": "a robot's logs", "features": "feature tables"}

@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from model.methods import METHODS
+from model.samplers import SAMPLERS
 from workflow.plan.config_types import CHANNELS, WORDLESS
+from workflow.plan.experiment import TASKS, Experiment, log_folder_trials
 from workflow.plan.problems import key_path
-from workflow.plan.study import TASKS, Experiment, Study, feature_files, log_folder_trials
+from workflow.plan.study import Study, feature_files
 from workflow.plan.study_config import ExperimentConfig, StudyConfig, completed
 
 MAX_FITS = 100_000
 """Fits, and jobs that simulate, of one experiment."""
 # Keys that say nothing where the data come from elsewhere.
 USELESS_WITH = {
+    "datasets": ("features", "logs", "data"),
     "trials": ("features", "logs", "data"),
     "trials_per_job": ("features", "data"),
     "feature_extraction": ("features", "data"),
@@ -54,6 +58,10 @@ def contradictions(name: str, config: StudyConfig) -> Iterator[str]:
     if words is None:
         yield f"{where}: key 'words' is missing (the words by channel: the true channel of each word)"
         return
+    for method in settings.methods:
+        if not any(sampler.takes(METHODS[method]) for sampler in settings.samplers.values()):
+            kinds = ", ".join(kind for kind, sampler in SAMPLERS.items() if sampler().takes(METHODS[method]))
+            yield f"{where}: no sampler can fit method {method} (add one of kind {kinds})"
     for i, channel in enumerate(CHANNELS):
         for other in CHANNELS[i + 1 :]:
             for word in sorted(set(getattr(words, channel)) & set(getattr(words, other))):
@@ -104,10 +112,10 @@ def _conditions_not_run(where: str, settings: ExperimentConfig) -> Iterator[str]
 
 def size_problems(study: Study, name: str) -> Iterator[str]:
     """More jobs than anybody means."""
-    if (count := study.size(name)) > MAX_FITS:
+    if (count := sum(map(study.size, study.sets(name)))) > MAX_FITS:
         yield (
             f"{key_path(['experiments', name])}: asks for {count:,} fits and parts of a simulation; at most "
-            f"{MAX_FITS:,} are run (fewer seeds, D or variants)"
+            f"{MAX_FITS:,} are run (fewer data sets, seeds, D or variants)"
         )
 
 
@@ -124,32 +132,40 @@ def grid_problems(study: Study, name: str) -> Iterator[str]:
             asked = study.experiments[name].task(task)
             grid = f"D {', '.join(map(str, asked.D))} and ROW {', '.join(map(str, asked.ROW))}"
             yield f"{where}.{task}: no fit is run with {grid} (see {where}.variants; {key}: 0 leaves the task out)"
-    if study.figure_condition(name) is None:
+    if None in study.figure_conditions(name).values():
         figure = study.experiments[name].settings.figure.model_dump(exclude_unset=True)
+        figure |= {"samplers": ", ".join(figure["samplers"])} if "samplers" in figure else {}
         shown = ", ".join(f"{key} {value}" for key, value in figure.items())
         allowed = dict.fromkeys(f"{c.variant} {c.method} {c.sampler} D {c.D} ROW {c.ROW}" for c in run)
         yield f"{where}.figure: no fit has {shown} (allowed: {'; '.join(allowed)})"
 
 
 def data_problems(study: Study, name: str) -> Iterator[str]:
-    """What the data themselves forbid: settings of the simulation, files of one's own."""
+    """What the data themselves forbid: settings of the simulation, files of one's own of a data set."""
     experiment = study.experiments[name]
-    where = key_path(["experiments", name])
+    where = key_path(["experiments", experiment.title])
     if experiment.data != name:
         return
-    if experiment.source != "features":
-        weights = study.weights_file(name)
-        if weights is not None:
-            yield from _braces(f"{where}.feature_extraction.weights", weights)
-        if weights is not None and not weights.is_file():
+    first = experiment.dataset == 1  # what is the same for all of them is told once
+    if first and experiment.source != "features" and (weights := study.weights_file(name)):
+        yield from _braces(f"{where}.feature_extraction.weights", weights)
+        if not weights.is_file():
             yield f"{where}.feature_extraction.weights: {weights} is not a file (nor seeded, nor imagenet1k)"
-    if experiment.source == "simulation":
+    if first and experiment.source == "simulation":
         said = experiment.settings.simulation.check_words(experiment.words)
         yield from (f"{where}.simulation: {line}" for line in said)
     if experiment.source == "logs":
         yield from _log_problems(study, experiment)
     if experiment.source == "features":
-        yield from _table_problems(study, experiment)
+        for set_name in ("train", *TASKS):
+            if study.trials(name, set_name):
+                yield from _table_problems(study, experiment, set_name)
+
+
+def _named_by(experiment: Experiment, key: str) -> list[str | int]:
+    """The key that names the files of a data set, with its place where it is a list."""
+    listed = isinstance(getattr(experiment.settings, key), tuple)
+    return ["experiments", experiment.title, key, *([experiment.dataset - 1] if listed else [])]
 
 
 def _braces(where: str, path: Path) -> Iterator[str]:
@@ -158,7 +174,7 @@ def _braces(where: str, path: Path) -> Iterator[str]:
 
 
 def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
-    where = key_path(["experiments", experiment.name, "logs"])
+    where = key_path(_named_by(experiment, "logs"))
     folder = study.log_folder(experiment.name)
     yield from _braces(where, folder)
     if not (folder / "calibration.mcap").is_file():
@@ -172,16 +188,10 @@ def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
         )
 
 
-def _table_problems(study: Study, experiment: Experiment) -> Iterator[str]:
-    for set_name in ("train", *TASKS):
-        if study.trials(experiment.name, set_name):
-            yield from _problems_of_set(study, experiment, set_name)
-
-
-def _problems_of_set(study: Study, experiment: Experiment, set_name: str) -> Iterator[str]:
+def _table_problems(study: Study, experiment: Experiment, set_name: str) -> Iterator[str]:
     from features.table import TableError, import_table
 
-    where = key_path(["experiments", experiment.name, "features", *([] if set_name == "train" else [set_name])])
+    where = key_path([*_named_by(experiment, "features"), *([] if set_name == "train" else [set_name])])
     paths = feature_files(study, experiment.name, set_name)
     for key, path in paths.items():
         yield from _braces(f"{where}.{key}", path)
@@ -203,7 +213,7 @@ def _problems_of_set(study: Study, experiment: Experiment, set_name: str) -> Ite
         for i, D in enumerate(user.settings.D):
             if D > len(table.trial):
                 yield (
-                    f"experiments.{user.name}.D[{i}]: {D} is more than the {len(table.trial)} trials "
+                    f"experiments.{user.title}.D[{i}]: {D} is more than the {len(table.trial)} trials "
                     f"of {paths['trials']}"
                 )
         for row, sentence in enumerate(table.words):

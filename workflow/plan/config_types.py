@@ -44,6 +44,11 @@ PerChannel: TypeAlias = Annotated[
     Annotated[_T, Tag("one")] | Annotated[dict[Channel, _T], Tag("each")],
     Discriminator(lambda value: "each" if isinstance(value, dict) else "one"),
 ]
+OnePerSet: TypeAlias = Annotated[
+    Annotated[_T, Tag("one")] | Annotated[Several[_T], Tag("each")],
+    Discriminator(lambda value: "each" if isinstance(value, list | tuple) else "one"),
+]
+"""What an experiment of one data set says once, and one of several in a list."""
 Name = TypeAliasType("Name", Annotated[str, Field(pattern=NAME_PATTERN, description=NAME_RULE)])
 TrialCount: TypeAlias = Annotated[int, Field(ge=1, le=1_000_000)]
 Percent: TypeAlias = Annotated[int, Field(ge=0, le=100)]

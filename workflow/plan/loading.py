@@ -8,11 +8,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from evaluation.data_sets import data_set_name
 from workflow.plan.checks import contradictions, data_problems, grid_problems, size_problems
 from workflow.plan.config import ConfigError, read_config
+from workflow.plan.experiment import Experiment
 from workflow.plan.problems import problems_of
-from workflow.plan.study import Experiment, Study
-from workflow.plan.study_config import StudyConfig, completed
+from workflow.plan.study import Study
+from workflow.plan.study_config import StudyConfig, completed, count_of_sets
 
 
 def load_study(path: Path) -> Study:
@@ -40,9 +42,11 @@ def plan(config: Mapping[str, Any], path: Path) -> Study:
         raise ConfigError(str(path), problems_of(error, config)) from None
     names = list(checked.experiments)
     _stop(path, (problem for name in names for problem in contradictions(name, checked)))
-    study = Study({name: _experiment(name, checked) for name in names}, path.parent)
+    sets = [_experiment(name, checked, one) for name in names for one in range(1, count_of_sets(checked, name) + 1)]
+    study = Study({own.name: own for own in sets}, path.parent)
     _stop(path, (problem for name in names for problem in size_problems(study, name)))
-    _stop(path, (one for name in names for one in (*grid_problems(study, name), *data_problems(study, name))))
+    _stop(path, (one for name in names for one in grid_problems(study, name)))
+    _stop(path, (one for own in sets for one in data_problems(study, own.name)))
     return study
 
 
@@ -51,8 +55,9 @@ def _stop(path: Path, problems: Iterable[str]) -> None:
         raise ConfigError(str(path), found)
 
 
-def _experiment(name: str, config: StudyConfig) -> Experiment:
+def _experiment(name: str, config: StudyConfig, dataset: int) -> Experiment:
     settings = completed(config, name)
     data = settings.data or name
     words = settings.words or config.experiments[data].words
-    return Experiment(name, data, {channel: list(said) for channel, said in words or ()}, settings)
+    own, used = (data_set_name(one, dataset) for one in (name, data))
+    return Experiment(own, used, {channel: list(said) for channel, said in words or ()}, settings, dataset)

@@ -12,6 +12,7 @@ from pydantic_core import ErrorDetails
 from workflow.plan.schema import (
     Schema,
     allowed,
+    alternative,
     choices,
     config_schema,
     inner,
@@ -115,7 +116,8 @@ def _explain(
     elif kind in ("string_pattern_mismatch", "string_unicode"):
         yield f"{where}: {short(value)} is not allowed ({schema.get('of_kind', 'visible characters')})"
     elif kind in LIMITS:
-        hint = _hint(value, choices(schema)) if kind == "literal_error" else ""
+        words = [word for one in schema.get("oneOf", [schema]) for word in choices(one)]
+        hint = _hint(value, words) if kind == "literal_error" else ""
         limits = {key: number_text(limit) for key, limit in context.items() if isinstance(limit, int | float)}
         yield f"{where}: {short(value)} {LIMITS[kind].format(**limits)}{hint}{_note(schema, meaning)}"
     else:
@@ -138,8 +140,8 @@ def _place(loc: Sequence[str | int], config: Any) -> tuple[list[str | int], Sche
         if "discriminator" in schema:  # the part says the kind
             schema = resolved({"$ref": schema["discriminator"]["mapping"][part]})
             continue
-        if "oneOf" in schema:  # one value for all channels, or a mapping
-            schema = resolved(schema["oneOf"][isinstance(value, Mapping)])
+        if "oneOf" in schema:  # one value for all channels, or a mapping; a number, or a word
+            schema = alternative(schema, value)
             continue
         path.append(part)
         schema = inner(schema, part)

@@ -63,6 +63,8 @@ def _below(key: str, schema: Schema) -> Iterator[tuple[str, Schema]]:
     for suffix, found in (("", schema), (".NAME", inner(schema, "")), ("[…]", inner(schema, 0))):
         if "properties" in found:
             yield f"{key}{suffix}", found
+        if "oneOf" in found and "discriminator" not in found:  # itself, or a list of such
+            yield from _below(f"{key}{suffix}", resolved(found["oneOf"][0]))
         for kind, target in found.get("discriminator", {}).get("mapping", {}).items():
             yield f"{key}{suffix} (kind: {kind})", resolved({"$ref": target})
 

@@ -61,6 +61,15 @@ def inner(schema: Schema, key: str | int) -> Schema:
     return resolved(found) if isinstance(found, Mapping) else {}
 
 
+def alternative(schema: Schema, value: object) -> Schema:
+    """Of several schemas the one that a value is to fit; all of them for text, of which each might be meant."""
+    kind = "object" if isinstance(value, Mapping) else "array" if isinstance(value, list) else ""
+    each = list(map(resolved, schema["oneOf"]))
+    fitting = [one for one in each if one.get("type") == kind]
+    fitting = fitting or [one for one in each if one.get("type") not in ("object", "array")] or each
+    return schema if isinstance(value, str) and len(fitting) > 1 else fitting[0]
+
+
 def meaning_of(schema: Schema) -> str:
     """What a key means; of the sentence that describes a model, what stands in it."""
     text = str(schema.get("description", ""))
@@ -74,7 +83,9 @@ def allowed(schema: Schema) -> str:
     if "discriminator" in schema:
         return "a mapping with the key `kind`"
     if "oneOf" in schema:
-        return f"{allowed(schema['oneOf'][0])}; or a mapping from channels to such numbers"
+        told = " or ".join(allowed(one) for one in schema["oneOf"] if one.get("type") != "object")
+        per_channel = any(one.get("type") == "object" for one in schema["oneOf"])
+        return f"{told}; or a mapping from channels to such values" if per_channel else told
     match schema.get("type"):
         case "integer":
             return f"whole number{range_text(schema)}"
@@ -100,10 +111,8 @@ def choices(schema: Schema) -> list[str]:
 
 def range_text(schema: Schema) -> str:
     """The range of a number, with a space before it; nothing where there is none."""
-    low, high, above = (schema.get(key) for key in ("minimum", "maximum", "exclusiveMinimum"))
-    start = "" if low is None else f" from {number_text(low)}"
-    end = "" if high is None else f" to {number_text(high)}"
-    return start + end + ("" if above is None else f" above {number_text(above)}")
+    words = {"minimum": "from", "maximum": "to", "exclusiveMinimum": "above", "exclusiveMaximum": "to below"}
+    return "".join(f" {word} {number_text(schema[key])}" for key, word in words.items() if key in schema)
 
 
 def number_text(number: float) -> str:

@@ -8,88 +8,9 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from model.prior import Prior
-from workflow.plan.config_types import WORDLESS, Channel
-from workflow.plan.study_config import ExperimentConfig, Task
-from workflow.plan.variants import HYPERPARAMETERS, hyperparameters
-
-# The tasks that use what was learned, and the key that says how many trials test it.
-TASKS = {"generation": "sentences", "description": "actions"}
-
-
-@dataclass(frozen=True)
-class Experiment:
-    """One experiment.
-
-    Attributes:
-        name: Its name.
-        data: Name of the experiment whose data it uses, its own name where it has its own.
-        words: The words by channel.
-        settings: Every key of its config, completed.
-    """
-
-    name: str
-    data: str
-    words: Mapping[str, list[str]]
-    settings: ExperimentConfig
-
-    @property
-    def source(self) -> str:
-        """Where its data come from: `simulation`, `logs` or `features`."""
-        return next((kind for kind in ("features", "logs") if getattr(self.settings, kind) is not None), "simulation")
-
-    def task(self, name: str) -> Task:
-        """The settings of a task."""
-        task: Task = getattr(self.settings, name)
-        return task
-
-    def test_trials(self, task: str) -> int:
-        """How many trials are asked for to test a task."""
-        return int(getattr(self.task(task), TASKS[task]))
-
-    def priors(self, variant: str) -> dict[Channel, Prior]:
-        """The hyperparameters of a variant by channel."""
-        changed = self.settings.variants[variant]
-        changes = [(key, getattr(changed, key)) for key in HYPERPARAMETERS if key in changed.model_fields_set]
-        return hyperparameters([("K", self.settings.K), *changes])
-
-    @property
-    def partial_variants(self) -> list[str]:
-        """Variants that are run for a part of the conditions, beside others; never `default`: claims rest on it."""
-        variants = self.settings.variants
-        partial = [name for name, own in variants.items() if own.only.model_fields_set and name != "default"]
-        return partial if len(partial) < len(variants) else []
-
-    def is_run(self, condition: Condition) -> bool:
-        """Whether a variant is run for a condition; a method without words is the same at every ROW."""
-        only = self.settings.variants[condition.variant].only
-        return (
-            condition.method in (only.methods or [condition.method])
-            and condition.sampler in (only.samplers or [condition.sampler])
-            and condition.D in (only.D or [condition.D])
-            and (condition.method in WORDLESS or condition.ROW in (only.ROW or [condition.ROW]))
-        )
-
-
-@dataclass(frozen=True)
-class Condition:
-    """The names of one fit."""
-
-    experiment: str
-    variant: str
-    method: str
-    sampler: str
-    D: int
-    ROW: int
-    seed: int
-
-    @property
-    def path(self) -> str:
-        """Where the fit is, below the output folder."""
-        return FIT_PATH.format(**vars(self))
-
-
-FIT_PATH = "fits/{experiment}/{variant}/{method}/{sampler}/D{D}/ROW{ROW}/seed{seed}.npz"
+from workflow.plan.conditions import Condition
+from workflow.plan.config_types import WORDLESS
+from workflow.plan.experiment import Experiment, log_folder_trials
 
 
 @dataclass(frozen=True)
@@ -97,31 +18,53 @@ class Study:
     """A checked config.
 
     Attributes:
-        experiments: The experiments by name.
+        experiments: Every data set of every experiment, by name: an experiment of one data set is this.
         folder: The folder of the config file, to which its paths are relative.
     """
 
     experiments: Mapping[str, Experiment]
     folder: Path
 
+    @property
+    def first_sets(self) -> dict[str, Experiment]:
+        """The first data set of each experiment, by the experiment's name: what is told of it as a whole."""
+        return {name: own for name, own in self.experiments.items() if own.dataset == 1}
+
+    def sets(self, experiment: str) -> list[str]:
+        """The names of all data sets of an experiment, the first of which has its name; none of an unknown one."""
+        return [name for name, own in self.experiments.items() if own.title == experiment]
+
     def conditions(self, experiment: str) -> Iterator[Condition]:
-        """Every fit of an experiment, the reference ALL (`gmm` at ROW 100) included."""
+        """Every fit of a data set of an experiment, the reference ALL (`gmm` at ROW 100) included."""
         own = self.experiments[experiment]
         settings = own.settings
         methods = [method for method in settings.methods if method not in WORDLESS]
         grid = [(method, ROW) for method in methods for ROW in settings.ROW] + [(method, 100) for method in WORDLESS]
         for variant, sampler, D in product(settings.variants, settings.samplers, settings.D):
             for method, ROW in grid:
-                first = Condition(experiment, variant, method, sampler, D, ROW, 1)
+                first = Condition(own.title, variant, method, sampler, D, ROW, 1, own.dataset)
                 if own.is_run(first):
                     yield from self.seeds(first)
 
+    def chains(self, condition: Condition) -> list[str]:
+        """The fits that are chains of one posterior, for the seeds of a condition.
+
+        Where each seed omits words of its own, they are several chains of what the first seed hears.
+        """
+        if condition.seeds_share_words:
+            return [one.path for one in self.seeds(condition)]
+        first, count = replace(condition, seed=1), self.experiments[condition.experiment].settings.diagnostics.chains
+        return [first.chain_path(chain) for chain in range(1, max(count, 1) + 1)]
+
     def size(self, experiment: str) -> int:
-        """At most so many jobs fit and simulate an experiment; known without listing them."""
+        """At most so many jobs fit and simulate a data set of an experiment; known without listing them."""
         own = self.experiments[experiment]
         settings = own.settings
         grid = len(settings.variants) * len(settings.samplers) * len(settings.D)
         fits = grid * (len(settings.methods) * len(settings.ROW) + 1) * settings.seeds
+        fits += (
+            grid * len(settings.methods) * len(set(settings.ROW) - {0, 100}) * max(settings.diagnostics.chains - 1, 0)
+        )
         simulated = own.source == "simulation" and own.data == experiment
         trials = len(self.trials(experiment, "train")) if simulated else 0
         return fits + trials // settings.trials_per_job
@@ -134,7 +77,10 @@ class Study:
         return [
             condition
             for condition in self.conditions(experiment)
-            if condition.method not in WORDLESS and condition.D in asked.D and condition.ROW in asked.ROW
+            if condition.method not in WORDLESS
+            and condition.sampler in (asked.samplers or [condition.sampler])
+            and condition.D in asked.D
+            and condition.ROW in asked.ROW
         ]
 
     def is_tested(self, experiment: str, task: str) -> bool:
@@ -155,8 +101,8 @@ class Study:
         own = self.experiments[experiment]
         if own.source == "logs":
             return range(1, len(log_folder_trials(self.log_folder(experiment), set_name)) + 1)
-        if own.settings.features is not None:
-            return range(1, 2 if set_name == "train" or getattr(own.settings.features, set_name) else 1)
+        if own.features is not None:
+            return range(1, 2 if set_name == "train" or getattr(own.features, set_name) else 1)
         if set_name != "train":
             return range(1, own.test_trials(set_name) + 1)
         users = [other for other in self.experiments.values() if other.data == experiment]
@@ -172,21 +118,28 @@ class Study:
 
     def log_folder(self, experiment: str) -> Path:
         """The folder of logs that an experiment names."""
-        return (self.folder / str(self.experiments[experiment].settings.logs)).resolve()
+        return (self.folder / str(self.experiments[experiment].logs)).resolve()
 
     def weights_file(self, experiment: str) -> Path | None:
         """The file of the network's weights that an experiment names; None where they are `seeded` or published."""
         weights = self.experiments[experiment].settings.feature_extraction.weights
         return None if weights in ("seeded", "imagenet1k") else (self.folder / weights).resolve()
 
-    def figure_condition(self, experiment: str) -> Condition | None:
-        """The condition that an experiment's figures of a fit show, seed 1 standing for all seeds.
+    def figure_conditions(self, experiment: str) -> dict[str, Condition | None]:
+        """The conditions that an experiment's figures of a fit show, by the ending that tells their samplers apart.
 
-        What the key `figure` leaves open is as in the paper's Figure 4: the first variant, method and sampler, most
-        trials, fewest words omitted. None where nothing is run that the key asks for.
+        Seed 1 stands for all seeds. What the key `figure` leaves open is as in the paper's Figure 4: the first
+        variant, method and sampler, most trials, fewest words omitted. None where nothing is run that the key asks
+        for.
+
+        Returns:
+            One condition by the name "", or several by names as `_mixing`.
         """
         asked = self.experiments[experiment].settings.figure.model_dump(exclude_unset=True)
-        return self._first(experiment, self.conditions(experiment), asked)
+        samplers = asked.pop("samplers", ())
+        each = [{"sampler": sampler} for sampler in samplers] or [{}]
+        found = [self._first(experiment, self.conditions(experiment), asked | one) for one in each]
+        return dict(zip([f"_{name}" for name in samplers] if len(samplers) > 1 else [""], found, strict=True))
 
     def generation_condition(self, experiment: str) -> Condition | None:
         """The condition whose generated actions a figure shows, chosen likewise; None without the task."""
@@ -217,16 +170,8 @@ class Study:
         ]
 
 
-def log_folder_trials(folder: Path, set_name: str) -> list[Path]:
-    """The logs trial_0001.mcap, trial_0002.mcap, … of a set in a folder, up to the first gap."""
-    present: list[Path] = []
-    while (path := folder / set_name / f"trial_{len(present) + 1:04}.mcap").is_file():
-        present.append(path)
-    return present
-
-
 def feature_files(study: Study, experiment: str, set_name: str = "train") -> dict[str, Path]:
     """The two Parquet files of a set that an experiment with features of its own names."""
-    named: Any = study.experiments[experiment].settings.features
+    named: Any = study.experiments[experiment].features
     named = named if set_name == "train" else getattr(named, set_name)
     return {key: (study.folder / getattr(named, key)).resolve() for key in ("trials", "objects")}

@@ -10,7 +10,7 @@ from data_collection.simulation_settings import Simulation
 from data_collection.strict_model import FilePath, StrictModel, Word
 from features.extraction_settings import FeatureSettings
 from model.samplers import AnySampler, Blocked
-from workflow.plan.config_types import Maybe, MethodName, Name, Percent, Several, TrialCount
+from workflow.plan.config_types import Maybe, MethodName, Name, OnePerSet, Percent, Several, TrialCount
 from workflow.plan.variants import Categories, Variant
 
 Vocabulary: TypeAlias = Annotated[Several[Word], Field(max_length=1000, description="the words of one channel")]
@@ -36,6 +36,7 @@ class Generation(StrictModel):
     )
     D: Several[TrialCount] = Field((), description="some of the experiment's D, by default the largest")
     ROW: Several[Percent] = Field((), description="some of the experiment's ROW, by default the smallest")
+    samplers: Several[Name] = Field((), description="some of the experiment's samplers, by default all")
     rated: int = Field(
         1,
         ge=0,
@@ -50,17 +51,34 @@ class Description(StrictModel):
     actions: int = Field(12, ge=0, le=10_000, description="actions to simulate; 0 leaves the task out")
     D: Several[TrialCount] = Field((), description="some of the experiment's D, by default all")
     ROW: Several[Percent] = Field((), description="some of the experiment's ROW, by default all")
+    samplers: Several[Name] = Field((), description="some of the experiment's samplers, by default all")
 
 
 Task: TypeAlias = Generation | Description
 
 
+class Diagnostics(StrictModel):
+    """Whether chains agree: what the diagnostics of an experiment are made of."""
+
+    chains: int = Field(
+        4,
+        ge=0,
+        le=1000,
+        description="chains of one posterior where each seed omits words of its own (ROW between 0 and 100): the "
+        "fit of seed 1 and further fits of what it hears; 0 or 1 is none of these. At ROW 0 and 100 seeds are chains",
+    )
+
+
 class Figure(StrictModel):
-    """The fit that figures show; of its seeds the one with the highest log joint."""
+    """The fits that figures show; of the seeds the one with the highest log joint."""
 
     variant: Maybe[Name] = Field(None, description="one of the experiment's variants; by default the first")
     method: Maybe[MethodName] = Field(None, description="one of the experiment's methods; by default the first")
-    sampler: Maybe[Name] = Field(None, description="one of the experiment's samplers; by default the first")
+    samplers: Several[Name] = Field(
+        (),
+        description="some of the experiment's samplers, by default the first; of several, each has its own figures, "
+        "whose files say which",
+    )
     D: Maybe[TrialCount] = Field(None, description="one of the experiment's D; by default the largest")
     ROW: Maybe[Percent] = Field(None, description="one of the experiment's ROW; by default the smallest")
 
@@ -90,7 +108,8 @@ class Shared(StrictModel):
     )
     methods: Several[MethodName] = Field(
         ("proposed", "no_mec2", "mmlda"),
-        description="methods to compare: proposed (A), no_mec2 (B), mmlda (C); gmm (ALL, no words) runs by itself",
+        description="methods to compare: proposed (A), no_mec2 (B), mmlda (C), mmlda_released (C as the authors' "
+        "program computes it, for samplers of kind blocked only); gmm (ALL, no words) runs by itself",
     )
     samplers: dict[Name, AnySampler] = Field(
         {"published": Blocked()},
@@ -111,6 +130,13 @@ class ExperimentConfig(Shared):
     D: Several[TrialCount] = Field(description="numbers of training trials; the first D are used")
     ROW: Several[Percent] = Field((0,), description="rates of omitted words in per cent")
     seeds: int = Field(10, ge=1, le=100_000, description="fits per condition, with seeds 1, 2, …")
+    datasets: int = Field(
+        1,
+        ge=1,
+        le=1000,
+        description="data sets to simulate, each by itself, and to run with all conditions and seeds; tables and "
+        "claims are then over data sets, and over seeds within them. More data sets leave the earlier ones alone",
+    )
     K: Categories = Field(
         10, description="K, upper limit of the number of categories: a whole number, or one for each channel"
     )
@@ -128,13 +154,17 @@ class ExperimentConfig(Shared):
     generation: Generation = Generation()
     description: Description = Description()
     figure: Figure = Figure()
+    diagnostics: Diagnostics = Diagnostics()
     simulation: Simulation = Simulation()
     feature_extraction: FeatureSettings = FeatureSettings()
-    features: Maybe[FeatureTables] = None
-    logs: Maybe[FilePath] = Field(
+    features: Maybe[OnePerSet[FeatureTables]] = Field(
+        None,
+        description="feature tables of your own instead of a simulation; or a list of them, one for each data set",
+    )
+    logs: Maybe[OnePerSet[FilePath]] = Field(
         None,
         description="a folder of MCAP logs of your own robot (calibration.mcap and train/trial_0001.mcap …) instead "
-        "of a simulation, relative to the folder of the config file",
+        "of a simulation, relative to the folder of the config file; or a list of them, one for each data set",
     )
     data: Maybe[Name] = Field(None, description="the name of another experiment whose data this one shares")
 
@@ -143,6 +173,13 @@ class StudyConfig(Shared):
     """What a study runs."""
 
     experiments: dict[Name, ExperimentConfig] = Field(min_length=1, description="the experiments by name")
+
+
+def count_of_sets(config: StudyConfig, name: str) -> int:
+    """How many data sets an experiment has: those of the experiment whose data it uses."""
+    own = config.experiments[config.experiments[name].data or name]
+    listed = next((one for one in (own.features, own.logs) if isinstance(one, tuple)), None)
+    return own.datasets if listed is None else len(listed)
 
 
 def with_defaults(model: Any, **defaults: Any) -> Any:

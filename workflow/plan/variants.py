@@ -16,6 +16,7 @@ HYPERPARAMETERS = {
     "alpha": "concentration",
     "gamma": "word_concentration",
     "mean_precision": "mean_precision",
+    "mean_precision_range": "mean_precision_range",
     "scale": "scale",
     "extra_degrees_of_freedom": "extra_degrees_of_freedom",
 }
@@ -49,7 +50,7 @@ else:
     def _hyperparameter(key):
         """The type of a hyperparameter of the config, and its field: what `model.Prior` says of it."""
         field = Prior.model_fields[HYPERPARAMETERS[key]]
-        number = Annotated[(field.annotation, *field.metadata)]
+        number = Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
         default = "; by default that of the experiment" if key == "K" else ""
         return PerChannel[number], Field(field.default, description=f"{field.description}{default}")
 

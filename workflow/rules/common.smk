@@ -1,6 +1,6 @@
-"""The checked plan of the study, and what every rule needs of it."""
+"""The checked plan of the study, and what every rule needs of it. `experiment` in a path is a data set of one."""
 
-import os
+import re
 import sys
 from pathlib import Path
 
@@ -10,15 +10,17 @@ from snakemake.exceptions import WorkflowError
 
 from workflow.plan.config import ConfigError, copied_from
 from workflow.artifacts.provenance import lock_hash, rule_code
+from data_collection.processor import pin
 from workflow.plan.loading import plan
-from workflow.plan.study import FIT_PATH, TASKS, feature_files
+from workflow.plan.conditions import CHAIN_PATH, FIT_PATH
+from workflow.plan.experiment import TASKS
+from workflow.plan.study import feature_files
 from workflow.plan.config_types import WORDLESS
 
 SETS = ("train", "generation", "description")
 
-# One thread a job: the same bytes on any number of cores, and as many jobs as cores.
-for library in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA"):
-    os.environ[f"{library}_NUM_THREADS"] = "1"
+# Jobs are processes that start from here, be it as forks of one or by themselves.
+pin()
 
 CONFIG_FILE = copied_from(Path((workflow.overwrite_configfiles or workflow.configfiles)[0]))
 
@@ -35,7 +37,7 @@ def settings(wildcards):
 
 def sources(*kinds):
     """A pattern of the experiments whose data come from one of these sources, for wildcard constraints."""
-    names = [name for name, experiment in study.experiments.items() if experiment.source in kinds]
+    names = [re.escape(name) for name, experiment in study.experiments.items() if experiment.source in kinds]
     return "|".join(names) or "(?!)"
 
 
@@ -53,7 +55,7 @@ def tracked(script, *modules):
 
 
 wildcard_constraints:
-    experiment="|".join(study.experiments),
+    experiment="|".join(map(re.escape, study.experiments)),
     variant=r"[A-Za-z][A-Za-z0-9_-]*",
     method="|".join(methods()),
     sampler=r"[A-Za-z][A-Za-z0-9_-]*",
@@ -62,3 +64,4 @@ wildcard_constraints:
     D=r"\d+",
     ROW=r"\d+",
     seed=r"\d+",
+    chain=r"\d+",

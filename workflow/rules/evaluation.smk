@@ -36,11 +36,30 @@ rule diagnose:
         "../scripts/diagnose.py"
 
 
+rule convergence:
+    input:
+        chains=expand("diagnostics/{chains}.csv", chains=diagnosed()),
+        scores="scores.csv",
+    output:
+        diagnostics="diagnostics.csv",
+        convergence="convergence.csv",
+        page="diagnostics.html",
+    log:
+        "joblogs/convergence.log",
+    group:
+        "results"
+    params:
+        code=tracked("convergence.py"),
+    script:
+        "../scripts/convergence.py"
+
+
 rule scores:
     input:
         list(score_files()),
     output:
-        "scores.csv",
+        scores="scores.csv",
+        variance="variance.csv",
     log:
         "joblogs/scores.log",
     group:

@@ -111,24 +111,19 @@ def score_files():
                     yield f"scores/{name}_D{D}_{task}.csv"
 
 
-def has_one_posterior(condition):
-    """Whether the seeds of a condition are chains of one posterior: all words, or none, are heard."""
-    return condition.ROW in (0, 100)
-
-
 def chains_of(wildcards):
-    """The chains that have one posterior: for each such condition its names, without the seed, and its seeds' fits."""
-    chains = {}
-    for condition in filter(has_one_posterior, tested(wildcards, "csl")):
-        names = tuple((key, value) for key, value in vars(condition).items() if key != "seed")
-        chains.setdefault(names, []).append(condition.path)
-    return [(dict(names), paths) for names, paths in chains.items()]
+    """The chains of each condition: its names, without the seed, and the fits that have one posterior."""
+    return [
+        ({key: value for key, value in vars(condition).items() if key != "seed"}, study.chains(condition))
+        for condition in tested(wildcards, "csl")
+        if condition.seed == 1
+    ]
 
 
 def diagnosed():
-    """Each experiment and D that has chains to compare, as the names of its files have it."""
+    """Each experiment and D, as the names of the files of its chains have it."""
     for name in study.experiments:
-        for D in dict.fromkeys(condition.D for condition in filter(has_one_posterior, study.conditions(name))):
+        for D in dict.fromkeys(condition.D for condition in study.conditions(name)):
             yield f"{name}_D{D}"
 
 

@@ -1,4 +1,4 @@
-"""Fits of the model: one per experiment, variant, method, sampler, D, ROW and seed."""
+"""Fits of the model: one per experiment, variant, method, sampler, D, ROW and seed, and more chains of some of them."""
 
 
 rule fit:
@@ -18,3 +18,10 @@ rule fit:
         code=tracked("fit.py"),
     script:
         "../scripts/fit.py"
+
+
+use rule fit as fit_chain with:
+    output:
+        CHAIN_PATH,
+    log:
+        "joblogs/fit_chain/{experiment}/{variant}_{method}_{sampler}_D{D}_ROW{ROW}_seed{seed}_chain{chain}.log",

@@ -4,7 +4,8 @@
 rule tables:
     input:
         scores="scores.csv",
-        uncertain=[path for name in INSTRUCTED for path in uncertain_files(name)],
+        convergence="convergence.csv",
+        uncertain=[path for name in INSTRUCTED for path in uncertain_files(study.sets(name))],
     output:
         expand("tables/{file}", file=files_of_tables(TABLES)),
     log:
@@ -21,7 +22,10 @@ rule tables:
 rule claims:
     input:
         scores="scores.csv",
-        descriptions=tested_files("simulator", "description", "descriptions/{experiment}_D{D}.csv"),
+        convergence="convergence.csv",
+        descriptions=tested_files(
+            [*study.sets("simulator"), *study.sets("real")], "description", "descriptions/{experiment}_D{D}.csv"
+        ),
     output:
         claims="claims.csv",
         comparisons="claims_comparisons.csv",
@@ -57,21 +61,22 @@ for name, figure in FIGURES.items():
 
     rule:
         name:
-            f"figure_{name.partition('_{')[0]}"
+            f"figure_{name.partition('{')[0].rstrip('_')}"
         input:
-            unpack(lambda wildcards, kind=figure.inputs: FIGURE_INPUTS[kind](wildcards.experiment)[0]),
+            unpack(lambda wildcards, kind=figure.inputs: figure_inputs(kind, *shown_by(wildcards))[0]),
         output:
             [f"figures/{{experiment}}_{name}.{form}" for form in figure.forms],
         log:
             f"joblogs/figures/{{experiment}}/{name}.log",
         wildcard_constraints:
-            experiment="|".join({own: None for shown, own, _ in SHOWN_FIGURES if shown == name}) or "(?!)",
+            experiment="|".join({own: None for shown, own, *_ in SHOWN_FIGURES if shown == name}) or "(?!)",
+            sampler=f"(?:{'|'.join({own: None for *_, own in SHOWN_FIGURES})})",  # may be empty
         group:
             "data" if figure.inputs in DATA_INPUTS else "results"
         params:
             draw=figure.draw,
             modules=[figure.module],
-            settings=lambda wildcards, kind=figure.inputs: FIGURE_INPUTS[kind](wildcards.experiment)[1],
+            settings=lambda wildcards, kind=figure.inputs: figure_inputs(kind, *shown_by(wildcards))[1],
             code=tracked("figure.py", figure.module),
         script:
             "../scripts/figure.py"
@@ -106,6 +111,7 @@ rule ratings:
 rule report:
     input:
         scores=report("scores.csv", caption="../report/scores.rst", category="Scores"),
+        variance="variance.csv",
         claims=[
             report("claims.csv", caption="../report/claims.rst", category="Claims"),
             "claims_comparisons.csv",
@@ -119,12 +125,12 @@ rule report:
             )
             for name, table in TABLES.items()
         ],
-        uncertain=[path for name in INSTRUCTED for path in uncertain_files(name)],
+        uncertain=[path for name in INSTRUCTED for path in uncertain_files(study.sets(name))],
         figures=[
             report(figure.path, caption="../report/figure.rst", category="Figures", labels=figure_labels(figure))
-            for figure in [shown_figure(*names) for names in SHOWN_FIGURES]
+            for figure in [told_figure(*names) for names in SHOWN_FIGURES]
         ],
-        diagnostics=expand("diagnostics/{chains}.csv", chains=diagnosed()),
+        convergence="convergence.csv",
         droppable=list(dict(droppable()).values()),
     output:
         report("report.html", caption="../report/report.rst", category="Report"),
@@ -135,10 +141,10 @@ rule report:
     params:
         config=config_name(),
         tables=TABLES,
-        figures=[shown_figure(*names) for names in SHOWN_FIGURES],
+        figures=[told_figure(*names) for names in SHOWN_FIGURES],
         droppable=list(dict(droppable())),
-        sources={name: source_in_words(experiment) for name, experiment in study.experiments.items()},
-        settings={name: all_settings(experiment) for name, experiment in study.experiments.items()},
+        sources={name: source_in_words(experiment) for name, experiment in study.first_sets.items()},
+        settings={name: all_settings(experiment) for name, experiment in study.first_sets.items()},
         python=python_version(),
         packages=pinned_packages(),
         hashes={"code": study_hash(), "environment.lock": lock_hash()},

@@ -6,30 +6,29 @@ from workflow.artifacts.versions import pinned_packages, python_version, study_h
 from workflow.plan.all_settings import all_settings, source_in_words
 
 # The experiments with instructions to answer.
-INSTRUCTED = [name for name in study.experiments if study.generation_condition(name)]
+INSTRUCTED = [name for name in study.first_sets if study.generation_condition(name)]
 
 TABLES = tables_of(
-    {(name, task, D) for name in study.experiments for task in TASKS for D in study.tested_D(name, task)}
+    {(name, task, D) for name in study.first_sets for task in TASKS for D in study.tested_D(name, task)}
     | {(name, "uncertain", D) for name in INSTRUCTED for D in study.tested_D(name, "generation")}
-    | {(name, "csl", D) for name, experiment in study.experiments.items() for D in experiment.settings.D},
-    {name: experiment.partial_variants for name, experiment in study.experiments.items()},
+    | {(name, "csl", D) for name, experiment in study.first_sets.items() for D in experiment.settings.D},
+    {name: experiment.partial_variants for name, experiment in study.first_sets.items()},
 )
 
 
-def tested_files(experiment, task, path):
-    """A file of an experiment for each D that a task tests; none where the study has no such test."""
-    known = experiment in study.experiments
-    return [path.format(experiment=experiment, D=D) for D in study.tested_D(experiment, task)] if known else []
+def tested_files(sets, task, path):
+    """A file of each of some data sets and of each D that a task tests; none where the study has no such test."""
+    return [path.format(experiment=name, D=D) for name in sets for D in study.tested_D(name, task)]
 
 
-def uncertain_files(experiment):
+def uncertain_files(sets):
     """The answers to uncertain instructions."""
-    return tested_files(experiment, "generation", "uncertain/{experiment}_D{D}.csv")
+    return tested_files(sets, "generation", "uncertain/{experiment}_D{D}.csv")
 
 
 def answer_files(condition):
     """What a fit answered, and the logs of what it did."""
-    folder = GENERATION_PATH.format(**vars(condition))
+    folder = GENERATION_PATH.format(**condition.wildcards)
     return {"answers": f"{folder}/answers.csv", "logs": f"{folder}/mcap"}
 
 
@@ -39,6 +38,7 @@ def acts(name):
 
 
 # Figures: of an experiment, the inputs by name and the settings that a kind of figure is drawn from; None without.
+# What shows a fit is told whose, by the ending of its name, see `Study.figure_conditions`.
 
 
 def shown_fit(condition):
@@ -46,13 +46,13 @@ def shown_fit(condition):
     return {"fits": [one.path for one in study.seeds(condition)]}, {"condition": vars(condition)}
 
 
-def fit_inputs(name):
-    files, shown = shown_fit(study.figure_condition(name))
+def fit_inputs(name, sampler):
+    files, shown = shown_fit(study.figure_conditions(name)[sampler])
     return files, shown | {"words": study.experiments[name].words}
 
 
-def crop_inputs(name):
-    data, condition = study.experiments[name].data, study.figure_condition(name)
+def crop_inputs(name, sampler):
+    data, condition = study.experiments[name].data, study.figure_conditions(name)[sampler]
     if study.experiments[data].source == "features":
         return None
     files, shown = shown_fit(condition)
@@ -60,7 +60,7 @@ def crop_inputs(name):
 
 
 def description_inputs(name):
-    counts = tested_files(name, "description", "confusion/{experiment}_D{D}.csv")
+    counts = tested_files([name], "description", "confusion/{experiment}_D{D}.csv")
     return ({"counts": counts}, {"words": study.experiments[name].words}) if counts else None
 
 
@@ -83,7 +83,7 @@ def instruction_inputs(name):
 def uncertain_inputs(name):
     if name not in INSTRUCTED:
         return None
-    return {"answers": uncertain_files(name)}, {"condition": vars(study.generation_condition(name))}
+    return {"answers": uncertain_files([name])}, {"condition": vars(study.generation_condition(name))}
 
 
 def feature_inputs(name):
@@ -124,14 +124,29 @@ FIGURE_INPUTS = {
 DATA_INPUTS = {"features", "simulated trials"}
 
 
+def figure_inputs(kind, experiment, sampler=None):
+    """The inputs of a figure; of one that shows the fit of a sampler, for this one."""
+    return FIGURE_INPUTS[kind](experiment, *([] if sampler is None else [sampler]))
+
+
+def shown_by(wildcards):
+    """The experiment of a figure and, where there is one, its sampler."""
+    return wildcards.experiment, wildcards.get("sampler")
+
+
 def figures_of_study():
-    """Each figure of the study: its name in the catalogue, and the experiment and method that it shows."""
-    for experiment in study.experiments:
+    """Each figure of the study: its name in the catalogue, and the experiment, method and sampler that it shows.
+
+    All are of the first data set.
+    """
+    for experiment in study.first_sets:
+        described = dict.fromkeys(one.method for one in study.task_conditions(experiment, "description"))
         for name, figure in FIGURES.items():
-            if FIGURE_INPUTS[figure.inputs](experiment) is not None:
-                described = (condition.method for condition in study.task_conditions(experiment, "description"))
-                for method in dict.fromkeys(described) if "{method}" in name else [""]:
-                    yield name, experiment, method
+            samplers = study.figure_conditions(experiment) if "{sampler}" in name else [None]
+            for sampler in samplers:
+                if figure_inputs(figure.inputs, experiment, sampler) is not None:
+                    for method in described if "{method}" in name else [""]:
+                        yield name, experiment, method, sampler or ""
 
 
 SHOWN_FIGURES = list(figures_of_study())
@@ -139,9 +154,15 @@ SHOWN_FIGURES = list(figures_of_study())
 
 def figure_files():
     """All files of all figures."""
-    for name, experiment, method in SHOWN_FIGURES:
+    for name, experiment, method, sampler in SHOWN_FIGURES:
         for form in FIGURES[name].forms:
-            yield f"figures/{experiment}_{name}.{form}".format(method=method)
+            yield f"figures/{experiment}_{name}.{form}".format(method=method, sampler=sampler)
+
+
+def told_figure(name, experiment, *names):
+    """A figure as pages show it; of an experiment of several data sets it says that it shows the first."""
+    figure, sets = shown_figure(name, experiment, *names), len(study.sets(experiment))
+    return replace(figure, caption=f"{figure.caption} Data set 1 of {sets}.") if sets > 1 else figure
 
 
 def figure_labels(figure):
@@ -159,8 +180,8 @@ def rated(name):
 
 
 def rating_keys():
-    """The key to each experiment's clips."""
-    for name, experiment in study.experiments.items():
+    """The key to each experiment's clips, which are of its first data set."""
+    for name, experiment in study.first_sets.items():
         if acts(name) and experiment.settings.generation.rated > 0:
             yield f"ratings/{name}_key.csv"
 

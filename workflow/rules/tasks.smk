@@ -47,7 +47,7 @@ rule generate:
 rule evaluate_generation:
     input:
         lambda wildcards: [
-            f"{GENERATION_PATH}/answers.csv".format(**vars(condition))
+            f"{GENERATION_PATH}/answers.csv".format(**condition.wildcards)
             for condition in tested(wildcards, "generation")
         ],
     output:

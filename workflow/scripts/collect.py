@@ -1,14 +1,12 @@
 """Simulate a block of trials and log each."""
 
-from pathlib import Path
-
 from data_collection.episode import collect
 from data_collection.log.mcap_log import write_log
 from data_collection.simulation_settings import Simulation
 from workflow.artifacts.provenance import parts_of_code
 from workflow.execution.job import job
 
-with job(snakemake):
+with job(snakemake) as (_, out):
     logs = collect(
         Simulation.model_validate(snakemake.params.simulation),
         experiment=snakemake.params.experiment,
@@ -17,5 +15,5 @@ with job(snakemake):
         seed=snakemake.params.seed,
         provenance=parts_of_code(snakemake.params.code),
     )
-    for path, log in zip(snakemake.output, logs, strict=True):
-        write_log(Path(path), log)
+    for path, log in zip(out, logs, strict=True):
+        write_log(path, log)

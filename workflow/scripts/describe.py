@@ -1,7 +1,5 @@
 """Let each fit of one experiment and D describe the actions of the test set, and measure the descriptions."""
 
-from pathlib import Path
-
 import pandas as pd
 
 from evaluation.description import COLUMNS, describe_trials
@@ -11,14 +9,14 @@ from features.table import read_table
 from model import load
 from workflow.execution.job import job
 
-with job(snakemake):
+with job(snakemake) as (files, out):
     words = snakemake.params.words
-    table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=True)
+    table = read_table(files.trials, files.objects, need_attention=True)
     rows, descriptions = [], []
-    for path, names in zip(snakemake.input.fits, snakemake.params.conditions, strict=True):
+    for path, names in zip(files.fits, snakemake.params.conditions, strict=True):
         condition = names | {"task": "description"}
-        told = describe_trials(load(Path(path)), table, words)
+        told = describe_trials(load(path), table, words)
         descriptions.append(told.assign(**condition)[[*condition, *COLUMNS]])
         rows += score_rows(condition, measured("description", told, words))
-    write_csv(pd.concat(descriptions), Path(snakemake.output.descriptions))
-    write_scores(rows, Path(snakemake.output.scores))
+    write_csv(pd.concat(descriptions), out.descriptions)
+    write_scores(rows, out.scores)

@@ -1,4 +1,4 @@
-"""Diagnose the chains of an experiment and D: those of one condition have one posterior where no word is omitted."""
+"""Diagnose the chains of each condition of an experiment and D."""
 
 from pathlib import Path
 

@@ -19,5 +19,7 @@ with job(snakemake):
     priors = [Prior(**params.priors[channel.name]) for channel in trials.channels]
     sampler = sampler_of(params.sampler)
     condition = names.experiment, names.variant, names.method, sampler.stream, names.D, names.ROW, names.seed
-    rng = generator(params.seed, "fit", *condition)
+    # Another chain of the same posterior has other draws.
+    chain = ("chain", names.chain) if names.get("chain") else ()
+    rng = generator(params.seed, "fit", *condition, *chain)
     save(fit(Problem.of(heard, names.method, priors), sampler, rng), Path(snakemake.output[0]))

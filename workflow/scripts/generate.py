@@ -1,7 +1,5 @@
 """Let one fit answer the instructions of the test set, and carry the answers out where the scenes are simulated."""
 
-from pathlib import Path
-
 from data_collection.seeding import generator
 from data_collection.simulation_settings import Simulation
 from evaluation.acting import carry_out, commands
@@ -13,23 +11,22 @@ from model import load
 from workflow.artifacts.provenance import parts_of_code
 from workflow.execution.job import job
 
-with job(snakemake):
+with job(snakemake) as (files, out):
     names, params = snakemake.wildcards, snakemake.params
-    fit = load(Path(snakemake.input.fit))
-    table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=False)
+    fit = load(files.fit)
+    table = read_table(files.trials, files.objects, need_attention=False)
     answered = answers(fit, table)
-    folder = Path(snakemake.output.logs)
-    folder.mkdir(parents=True)
+    out.logs.mkdir(parents=True)
     judged: list[str | None] = [None] * len(answered)
     if params.simulation is not None:
         condition = [names.experiment, names.variant, names.method, params.stream, names.D, names.ROW, names.seed]
         told = commands(
             generator(params.seed, "generate", *condition),
             fit,
-            load_transforms(Path(snakemake.input.transforms)),
+            load_transforms(files.transforms),
             table,
             answered,
-            join([load_percepts(Path(path)) for path in snakemake.input.percepts]).hand,
+            join(map(load_percepts, files.percepts)).hand,
         )
         judged = carry_out(
             Simulation.model_validate(params.simulation),
@@ -37,7 +34,7 @@ with job(snakemake):
             experiment=params.data,
             seed=params.data_seed,
             provenance=parts_of_code(params.code),
-            folder=folder,
+            folder=out.logs,
         )
-    write_answers(table, answered, judged, Path(snakemake.output.answers))
-    write_distributions(table, answered, Path(snakemake.output.scores))
+    write_answers(table, answered, judged, out.answers)
+    write_distributions(table, answered, out.scores)

@@ -13,7 +13,7 @@ from evaluation.ratings import make_key, write_form
 from evaluation.scores import write_csv
 from workflow.execution.job import job
 
-with job(snakemake):
+with job(snakemake) as (_, out):
     names, params = snakemake.wildcards, snakemake.params
     rows = []
     for conditions in params.conditions:
@@ -23,11 +23,10 @@ with job(snakemake):
                 told = {"trial": answer.trial, "instructed": answer.action, "judged": answer.judged}
                 rows.append(one["names"] | told | {"log": f"{one['logs']}/trial_{answer.trial:04}.mcap"})
     key = make_key(rows, params.words, generator(params.seed, "ratings", names.experiment))
-    folder = Path(snakemake.output.folder)
     clips = []
     for clip, log, allowed in zip(key["clip"], key["log"], key["allowed"], strict=True):
-        save_gif(folder / "clips" / f"{clip}.gif", brief(read_log(Path(log))), rate=4.0, hold=2.0)
+        save_gif(out.folder / "clips" / f"{clip}.gif", brief(read_log(Path(log))), rate=4.0, hold=2.0)
         clips.append((clip, f"clips/{clip}.gif", allowed.split()))
-    write_form(key, folder / "form.csv")
-    write_page(clips, f"What does the robot do? ({names.experiment})", folder / "index.html")
-    write_csv(key, Path(snakemake.output.key))
+    write_form(key, out.folder / "form.csv")
+    write_page(clips, f"What does the robot do? ({names.experiment})", out.folder / "index.html")
+    write_csv(key, out.key)

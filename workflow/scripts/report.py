@@ -5,30 +5,32 @@ from pathlib import Path
 
 import pandas as pd
 
-from data_collection.files import replacing
-from evaluation.pages import origins, report
+from data_collection.files import write_text
+from evaluation.convergence import read_lights
+from evaluation.pages import causes, lights, origins, report, variance
 from evaluation.pages.page import page
 from evaluation.rendering import sheets
 from evaluation.scores import read_scores
 from features.table import read_metadata
 from workflow.execution.job import job
 
-with job(snakemake):
-    files, params = snakemake.input, snakemake.params
-    tables = sheets(params.tables, Path(files.scores), [Path(path) for path in files.uncertain])
+with job(snakemake) as (files, out):
+    params = snakemake.params
+    tables = sheets(params.tables, files.scores, files.uncertain, files.convergence)
     claims, comparisons = (pd.read_csv(path, dtype=str, keep_default_na=False) for path in files.claims)
-    chains = {Path(path).stem: pd.read_csv(path) for path in files.diagnostics}
     made = {name: read_metadata(path) for name, path in zip(params.droppable, files.droppable, strict=True)}
     dropped = {name: json.loads(told.get("dropped", "[]")) for name, told in made.items()}
+    scores = read_scores([files.scores])
     sections = [
-        report.about(params.config, params.sources, read_scores([Path(files.scores)]), dropped),
+        report.about(params.config, params.sources, scores, dropped),
         report.claims(claims, comparisons, tables),
+        causes.section(scores),
+        variance.section(pd.read_csv(files.variance)),
         report.tables(tables),
         report.figures(params.figures, Path()),
-        report.diagnostics(chains),
+        lights.section(read_lights(files.convergence)),
         origins.settings(params.config, params.settings),
         origins.versions(params.python, params.packages, params.hashes),
         origins.reproduction(params.config),
     ]
-    with replacing(Path(snakemake.output[0])) as (temporary,):
-        temporary.write_text(page("Cross-situational learning: the study", sections), encoding="utf-8")
+    write_text(out[0], page("Cross-situational learning: the study", sections))

@@ -1,12 +1,9 @@
 """Render every table in all its forms."""
 
-from pathlib import Path
-
 from evaluation.rendering import sheets, write
 from workflow.execution.job import job
 
-with job(snakemake):
-    files = snakemake.input
-    made = sheets(snakemake.params.tables, Path(files.scores), [Path(path) for path in files.uncertain])
+with job(snakemake) as (files, out):
+    made = sheets(snakemake.params.tables, files.scores, files.uncertain, files.convergence)
     for name, sheet in made.items():
-        write(name, sheet, Path(snakemake.output[0]).parent)
+        write(name, sheet, out[0].parent)

@@ -1,7 +1,5 @@
 """Let each fit of one experiment and D answer uncertain instructions, made from those of the test set."""
 
-from pathlib import Path
-
 import pandas as pd
 
 from evaluation.scores import write_csv
@@ -11,12 +9,12 @@ from features.table import read_table
 from model import load
 from workflow.execution.job import job
 
-with job(snakemake):
-    table = read_table(Path(snakemake.input.trials), Path(snakemake.input.objects), need_attention=False)
+with job(snakemake) as (files, out):
+    table = read_table(files.trials, files.objects, need_attention=False)
     asked = instructions(table, snakemake.params.words)
     rows = [
         row
-        for path, condition in zip(snakemake.input.fits, snakemake.params.conditions, strict=True)
-        for row in answer_uncertain(condition, load(Path(path)), asked)
+        for path, condition in zip(files.fits, snakemake.params.conditions, strict=True)
+        for row in answer_uncertain(condition, load(path), asked)
     ]
-    write_csv(pd.DataFrame(rows), Path(snakemake.output[0]))
+    write_csv(pd.DataFrame(rows), out[0])
