@@ -1,4 +1,5 @@
 # make study   the whole study: tables and figures in results/
+# make claims  what it takes to answer the paper's claims: several data sets, in results/claims
 # make smoke   a tiny study through every stage, in about a minute
 # make verify  whether every artifact is what it was when it was made
 # make test    the tests
@@ -14,14 +15,16 @@ VENV := .venv
 READY := $(VENV)/.ready
 PYTHON := $(VENV)/bin/python
 BENCH_TRIALS := $(foreach D,20 40,features/simulator/D$(D)/train_trials.parquet)
+BENCH_FILES = $(foreach trials,$(BENCH_TRIALS:%=$(OUT)/bench/study/%),$(trials) $(trials:trials.parquet=objects.parquet))
 SOURCES := data_collection features model evaluation workflow tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study smoke snakemake-report compare verify cache-info cache-clean test test-slow lint format bench scale docs lock reference reference-bench clean
+.PHONY: help setup study claims smoke snakemake-report compare verify cache-info cache-clean test test-slow lint format bench portable scale docs lock reference reference-bench clean
 
 help:
 	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=n] [CACHE=folder]  run a study"
 	@echo "make study PROFILE=slurm   the same on a cluster; or a folder with a Snakemake profile of one's own"
+	@echo "make claims [OUT=$(OUT)/claims]   the paper's claims over several data sets (config/claims.yaml)"
 	@echo "make smoke [OUT=$(OUT)/smoke]   a tiny study through every stage"
 	@echo "make compare [OUT=$(OUT)]       which results differ from results/reference by more than the seeds explain"
 	@echo "make verify [OUT=$(OUT)]   hash every artifact again: what is missing, changed or unexplained"
@@ -29,6 +32,7 @@ help:
 	@echo "make snakemake-report [CONFIG=…] [OUT=…]   the study, and Snakemake's own report of it (workflow, run times, results)"
 	@echo "make test | test-slow | lint | format | bench | docs"
 	@echo "make scale   a study with ten times the trials and seeds (hours), and what an even larger one would need"
+	@echo "make portable   what other processors would make of a study, with and without the pins (half an hour)"
 	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
 	@echo "make reference | reference-bench   run the study, or the benchmarks, and keep what they show in results/reference"
 	@echo "make clean   remove results but results/reference"
@@ -47,7 +51,7 @@ $(READY): environment.lock
 		echo "any system: pip install uv, which fetches Python 3.11 by itself." >&2; exit 1; \
 	fi
 	@$(PYTHON) -m pip install --quiet --disable-pip-version-check -r environment.lock
-	@echo "Compiling the samplers (half a minute, once)"
+	@echo "Compiling the samplers (one to two minutes, once)"
 	@$(PYTHON) -c "from model.fitting import prepare; prepare()"
 	@touch $@
 
@@ -55,6 +59,9 @@ setup: $(READY)
 
 study: $(READY)
 	@$(RUN) --config $(CONFIG) --out $(OUT)
+
+claims: $(READY)
+	@$(RUN) --config config/claims.yaml --out $(if $(filter results,$(OUT)),results/claims,$(OUT))
 
 smoke: $(READY)
 	@$(RUN) --config config/smoke.yaml --out $(if $(filter results,$(OUT)),results/smoke,$(OUT))
@@ -98,8 +105,14 @@ bench: $(READY)
 	test ! -f $(OUT)/bench/jobs.csv -o ! -f $(OUT)/manifest.json || $(PYTHON) -m benchmarks.scale needs $(OUT) --times 1000 > $(OUT)/bench/needs.md
 	$(PYTHON) -m benchmarks --out $(OUT)/bench
 	$(RUN) --config config/config.yaml --out $(OUT)/bench/study -- $(BENCH_TRIALS)
-	$(PYTHON) -m benchmarks.samplers --out $(OUT)/bench \
-		$(foreach trials,$(BENCH_TRIALS),$(OUT)/bench/study/$(trials) $(OUT)/bench/study/$(trials:trials.parquet=objects.parquet))
+	$(PYTHON) -m benchmarks.samplers --out $(OUT)/bench $(BENCH_FILES)
+	$(PYTHON) -m benchmarks.convergence --out $(OUT)/bench $(BENCH_FILES)
+
+# What hangs on the kernels that libraries choose for a processor, and that jobs do not: the table of docs/portable.md.
+portable: $(READY)
+	@rm -rf $(OUT)/portable
+	@mkdir -p $(OUT)/portable
+	$(PYTHON) -m tests.workflow.portable --out $(OUT)/portable
 
 # Ten times the trials and ten times the seeds, and what a study that is again ten times as large would need.
 scale: $(READY)

@@ -7,26 +7,22 @@ roofline.png, and summary.md, which sums them up. The progress goes to standard 
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 import time
 from pathlib import Path
 
-# Before NumPy is imported: one thread, as for every fit.
-for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
-    os.environ[_name] = "1"
+import numpy as np
+import pandas as pd
+
+from benchmarks.cases import all_cases
+from benchmarks.kernels import measure_kernels, measure_machine
+from benchmarks.measure import as_row, measure
+from benchmarks.plots import draw_roofline, draw_scaling
+from benchmarks.summary import summary
 
 
 def main() -> None:
     """Measure, write, draw."""
-    import pandas as pd
-
-    from benchmarks.cases import all_cases
-    from benchmarks.kernels import measure_kernels, measure_machine
-    from benchmarks.measure import as_row, measure
-    from benchmarks.plots import draw_roofline, draw_scaling
-    from benchmarks.summary import summary
-
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__.split("\n")[0])
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
     parser.add_argument("--quick", action="store_true", help="small sizes, to see that it runs")
@@ -45,21 +41,11 @@ def main() -> None:
     draw_scaling(fits, arguments.out / "scaling.png")
 
     machine = measure_machine()
-    kernels = pd.DataFrame(
-        {
-            "kernel": kernel.name,
-            "dimension": kernel.dimension,
-            "flops": kernel.flops,
-            "bytes": kernel.bytes,
-            "seconds": kernel.seconds,
-            "gigaflops": kernel.flops / kernel.seconds / 1e9,
-            "share_of_peak": kernel.flops / kernel.seconds / machine.peak,
-            "share_of_roof": kernel.flops
-            / kernel.seconds
-            / min(machine.peak, machine.bandwidth * kernel.flops / kernel.bytes),
-        }
-        for kernel in measure_kernels(arguments.quick)
-    )
+    kernels = pd.DataFrame(list(measure_kernels(arguments.quick)))
+    speed = kernels.flops / kernels.seconds
+    kernels["gigaflops"] = speed / 1e9
+    kernels["share_of_peak"] = speed / machine.peak
+    kernels["share_of_roof"] = speed / np.minimum(machine.peak, machine.bandwidth * kernels.flops / kernels.bytes)
     kernels.to_csv(arguments.out / "kernels.csv", index=False, float_format="%.6g")
     draw_roofline(kernels, machine, arguments.out / "roofline.png")
     (arguments.out / "summary.md").write_text(summary(fits, kernels, machine), encoding="utf-8")

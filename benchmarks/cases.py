@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from model import METHODS, Blocked, Collapsed, Sampler, Trials
+from model import METHODS, Blocked, Collapsed, Mixing, Sampler, Trials
 
 # Dimensions of action, position, object and color in the paper's simulator experiment.
 PAPER_DIMENSIONS = (38, 2, 30, 10)
@@ -16,6 +16,7 @@ SAMPLERS: dict[str, Sampler[Any]] = {
     "published": Blocked(),
     "released": Blocked(averaged_draws=100, empty_category="uniform"),
     "collapsed": Collapsed(),
+    "mixing": Mixing(),
 }
 
 
@@ -81,10 +82,11 @@ def all_cases(quick: bool) -> Iterator[Case]:
     paper = Case("paper", 40, iterations=10 if quick else 200, repetitions=1 if quick else 3)
     for sampler in SAMPLERS:
         for name, method in METHODS.items():
-            yield replace(paper, sampler=sampler, method=name, words=4 if method.hears_words else 0)
+            if SAMPLERS[sampler].takes(method):
+                yield replace(paper, sampler=sampler, method=name, words=4 if method.hears_words else 0)
     D = 400 if quick else 40_000
     yield Case("large", D, trials=D, iterations=5 if quick else 200)
-    for sampler in ("published", "collapsed"):
+    for sampler in ("published", "collapsed", "mixing"):
         start = Case("", 0, sampler=sampler, iterations=5 if quick else 20)
         for D in (40, 400) if quick else (40, 400, 4000, 40_000):
             yield replace(start, series="D", size=D, trials=D, iterations=max(5, start.iterations * 40 // D))

@@ -22,14 +22,14 @@ class Kernel:
     """A kernel at one size.
 
     Attributes:
-        name: Its name.
+        kernel: Its name.
         dimension: Of the features.
         flops: Floating-point operations per call, of the algorithm, not of the machine code.
         bytes: Data that a call has to read and write at least once.
         seconds: Processor time of a call, the fastest of many.
     """
 
-    name: str
+    kernel: str
     dimension: int
     flops: float
     bytes: float
@@ -79,7 +79,8 @@ def measure_kernels(quick: bool) -> Iterator[Kernel]:
 def _kernels_of(dim: int, N: int = 80, K: int = 10) -> Iterator[Kernel]:
     """The hot kernels for N elements of one dimension and K categories."""
     rng = np.random.default_rng(dim)
-    x, z, prior = rng.random((N, dim)), rng.integers(K, size=N), Prior().gaussian(dim)
+    x, z, own = rng.random((N, dim)), rng.integers(K, size=N), Prior()
+    prior = own.gaussian(dim, own.mean_precisions[0])
     posterior = gaussian_posterior(x, z, K, prior)
     mean, factor = draw_posterior_gaussians(rng, x, z, K, 1, prior)
     triangle = dim * (dim + 1) / 2.0

@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from benchmarks.kernels import Machine
+from evaluation.convergence import GOAL
 
 LABELS = {
     "D": "trials D",
@@ -39,6 +41,33 @@ def draw_scaling(fits: pd.DataFrame, path: Path) -> None:
     axes[0].yaxis.set_major_formatter("{x:g}")
     axes[0].set_ylabel("milliseconds per iteration")
     axes[0].legend(frameon=False)
+    figure.savefig(path, dpi=110, metadata={"Software": None})
+
+
+def draw_convergence(rows: pd.DataFrame, path: Path) -> None:
+    """The log joint with its lowest fit, and R-hat, against processor seconds; a column per data set."""
+    sets = list(dict.fromkeys(rows.D))
+    figure = Figure(figsize=(5.2 * len(sets), 5.6), layout="constrained")
+    axes = figure.subplots(2, len(sets), sharex="col", squeeze=False)
+    for (above, below), D in zip(axes.T, sets, strict=True):
+        for sampler, own in rows[rows.D == D].groupby("sampler", sort=False):
+            (line,) = above.plot(own.seconds, own.log_joint, "o-", markersize=3, label=sampler)
+            above.fill_between(own.seconds, own.lowest, own.log_joint, color=line.get_color(), alpha=0.2, linewidth=0)
+            below.plot(own.seconds, own.r_hat, "o-", markersize=3, color=line.get_color())
+        below.axhline(GOAL, color="0.6", linewidth=0.8)
+        above.set_title(f"D = {D}")
+        above.set_xscale("log")
+        below.set_yscale("log")
+        ticks = [1, GOAL, 1.2, 1.5, 2, 3, 5]
+        below.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+        below.set_yticks([], minor=True)
+        below.set_xlabel("processor seconds of a fit")
+        below.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
+        below.xaxis.set_minor_formatter(NullFormatter())
+        below.xaxis.set_major_formatter("{x:g}")
+    axes[0, 0].set_ylabel("log joint, mean and lowest fit")
+    axes[1, 0].set_ylabel("R-hat of the log joint")
+    axes[0, 0].legend(frameon=False, fontsize=8)
     figure.savefig(path, dpi=110, metadata={"Software": None})
 
 

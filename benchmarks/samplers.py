@@ -8,22 +8,24 @@ joint, effective samples of the log joint per second of processor time, and R-ha
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 import time
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
-    os.environ[_name] = "1"
+import numpy as np
+import pandas as pd
 
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from features.table import FeatureTable
-    from model import Fit, Sampler
-    from model.data import Floats
+from benchmarks.cases import SAMPLERS
+from benchmarks.summary import markdown
+from evaluation.learned import Learned
+from evaluation.measures import measured
+from features.table import FeatureTable, read_table
+from model import METHODS, Collapsed, Fit, Prior, Problem, Sampler, Trials, fit
+from model.data import Floats
+from model.diagnostics import diagnose
+from model.omission import kept_words
 
 Row = dict[str, object]
 MEASURES = ("EAR", "ARI_a", "ARI_p", "ARI_o", "ARI_c")
@@ -33,13 +35,6 @@ def fit_and_measure(
     table: FeatureTable, ROW: int, method: str, name: str, sampler: Sampler[Any], seed: int
 ) -> tuple[Row, Fit]:
     """One fit and its measures; the same words are omitted for all methods and samplers of a seed."""
-    import numpy as np
-
-    from evaluation.measures import Learned, measured
-    from model import Prior, Problem, Trials, fit
-    from model.diagnostics import diagnose
-    from model.omission import kept_words
-
     trials = Trials.from_arrays(**table.learning_input())
     kept = kept_words(np.random.default_rng([seed, trials.count]), len(trials.word_trial), ROW)
     names = [channel.name for channel in trials.channels]
@@ -66,30 +61,17 @@ def late(fit: Fit) -> Floats:
 
 def as_markdown(rows: pd.DataFrame) -> str:
     """Means over the seeds."""
-    from benchmarks.summary import markdown
-
     keys = ["D", "ROW", "method", "sampler"]
     numbers = [column for column in rows.columns if column not in (*keys, "seed")]
     means = rows.groupby(keys, sort=False)[numbers].mean().reset_index()
     formats = {"log_joint": "{:.0f}", "seconds": "{:.2f}", "ess_per_second": "{:.0f}", "r_hat": "{:.1f}"}
-    lines = [
-        [str(row[key]) for key in keys]
-        + ["" if row[n] != row[n] else formats.get(n, "{:.2f}").format(row[n]) for n in numbers]
-        for _, row in means.iterrows()
-    ]
-    return markdown(list(means.columns), lines)
+    for name in numbers:
+        means[name] = means[name].map(formats.get(name, "{:.2f}").format, na_action="ignore").fillna("")
+    return markdown(list(means.columns), means.astype(str).itertuples(index=False, name=None))
 
 
 def main() -> None:
     """Compare and write."""
-    import numpy as np
-    import pandas as pd
-
-    from benchmarks.cases import SAMPLERS
-    from features.table import read_table
-    from model import METHODS, Collapsed
-    from model.diagnostics import diagnose
-
     parser = argparse.ArgumentParser(prog="python -m benchmarks.samplers", description=__doc__.split("\n")[0])
     parser.add_argument("files", type=Path, nargs="+", help="trials and objects, in turn")
     parser.add_argument("--out", type=Path, required=True, help="folder of the results")
@@ -110,7 +92,7 @@ def main() -> None:
     for named in samplers.items():  # Compiled code is loaded before the clock runs.
         fit_and_measure(tables[0], 0, "proposed", *named, 0)
     rows = []
-    methods = [name for name, method in METHODS.items() if method.hears_words]
+    methods = [name for name, method in METHODS.items() if method.hears_words and method.is_model]
     for table, ROW, method, name in product(tables, arguments.row, methods, samplers):
         seeds = range(1, arguments.seeds + 1)
         new, fits = zip(

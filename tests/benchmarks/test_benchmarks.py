@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.cases import Case, all_cases, make_trials
+from benchmarks.cases import SAMPLERS, Case, all_cases, make_trials
+from benchmarks.convergence import RUNNERS, reached
 from benchmarks.measure import measure
 from benchmarks.summary import exponent
 from model import METHODS
@@ -35,9 +36,26 @@ def test_trials_are_as_large_as_the_case_says() -> None:
 
 def test_every_method_and_sampler_is_measured_at_the_papers_sizes() -> None:
     paper = {(case.method, case.sampler) for case in all_cases(False) if case.series == "paper"}
-    assert paper == {(method, sampler) for method in METHODS for sampler in ("published", "released", "collapsed")}
+    models = {method for method in METHODS if method != "mmlda_released"}
+    assert paper == {(method, sampler) for method in models for sampler in ("collapsed", "mixing")} | {
+        (method, sampler) for method in METHODS for sampler in ("published", "released")
+    }
     sizes = {series: [c.size for c in all_cases(False) if c.series == series] for series in ("D", "K", "dimension")}
     assert [(min(size), max(size)) for size in sizes.values()] == [(40, 40_000), (10, 100), (10, 500)]
+
+
+def test_the_time_to_the_goal_is_that_from_which_all_lengths_reach_it() -> None:
+    columns = ["D", "sampler", "seconds", "log_joint", "lowest", "r_hat", "r_hat_used"]
+    rows = [
+        [20, "a", 0.1, 5.0, 1.0, 1.01, 1.0],
+        [20, "a", 0.2, 9.0, 8.0, 1.30, 1.0],
+        [20, "a", 0.4, 8.0, 7.0, 1.04, 1.0],
+        [20, "b", 0.1, 5.0, 1.0, 2.00, np.inf],
+    ]
+    assert list(reached(pd.DataFrame(rows, columns=columns))) == [
+        ["20", "a", "0.40", "0.10", "9", "8", "0.20"],
+        ["20", "b", "(2.00 at 0.1)", "(inf at 0.1)", "5", "1", "0.10"],
+    ]
 
 
 def test_exponent_of_growth() -> None:
@@ -71,8 +89,15 @@ def test_samplers_are_compared_on_feature_files(tmp_path: Path) -> None:
     files = [str(tmp_path / name) for name in ("trials.parquet", "objects.parquet")]
     run("benchmarks.samplers", *files, "--out", str(tmp_path), "--seeds", "2")
     rows = pd.read_csv(tmp_path / "comparison.csv")
-    assert len(rows) == 2 * 3 * 3 * 2
-    assert rows.groupby("method").EAR.count().to_dict() == {"mmlda": 0, "no_mec2": 12, "proposed": 12}
+    fits = 2 * len(SAMPLERS) * 2  # rates of omission, samplers, seeds
+    assert len(rows) == 3 * fits
+    assert rows.groupby("method").EAR.count().to_dict() == {"mmlda": 0, "no_mec2": fits, "proposed": fits}
     assert rows.ARI_p.between(-1, 1).all()
     assert rows[rows.ROW == 40].r_hat.isna().all()
-    assert (tmp_path / "comparison.md").read_text().count("\n") == 2 + 2 * 3 * 3
+    assert (tmp_path / "comparison.md").read_text().count("\n") == 2 + 3 * 2 * len(SAMPLERS)
+    run("benchmarks.convergence", *files, "--out", str(tmp_path), "--chains", "2", "--quick")
+    times = pd.read_csv(tmp_path / "convergence_time.csv")
+    assert times.sampler.value_counts().to_dict() == dict.fromkeys(RUNNERS, 2)
+    assert (times.lowest <= times.log_joint).all()
+    assert (tmp_path / "convergence_time.png").stat().st_size > 10_000
+    assert all(f"| 12 | {sampler} |" in (tmp_path / "convergence_time.md").read_text() for sampler in RUNNERS)

@@ -23,12 +23,13 @@ def test_ten_times_the_study() -> None:
     config = yaml.safe_load(STUDY.read_text())
     before, after = (plan(each, STUDY) for each in (config, larger(config, 10, 10)))
     for name in after.experiments:
-        fits = {(c.method, c.variant, c.D, c.ROW, c.seed) for c in after.conditions(name)}
-        tenth = {(c.method, c.variant, 10 * c.D, c.ROW) for c in before.conditions(name)}
-        assert {names[:4] for names in fits} == tenth
+        fits = {(c.method, c.variant, c.sampler, c.D, c.ROW, c.seed) for c in after.conditions(name)}
+        tenth = {(c.method, c.variant, c.sampler, 10 * c.D, c.ROW) for c in before.conditions(name)}
+        assert {names[:5] for names in fits} == tenth
         assert len(fits) == 10 * len(list(before.conditions(name)))
         assert len(after.trials(name, "train")) == 10 * len(before.trials(name, "train"))
-        assert after.figure_condition(name).D == 10 * before.figure_condition(name).D
+        shown = [own.figure_conditions(name) for own in (before, after)]
+        assert {ending: 10 * one.D for ending, one in shown[0].items()} == {k: one.D for k, one in shown[1].items()}
         for task in ("generation", "description"):
             tested = {(c.D, c.ROW) for c in after.task_conditions(name, task)}
             assert tested == {(10 * c.D, c.ROW) for c in before.task_conditions(name, task)}

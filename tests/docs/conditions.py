@@ -81,7 +81,7 @@ def in_words(jobs: Mapping[str, int]) -> str:
 
 def planned(printed: str) -> dict[str, int]:
     """The number of jobs of each rule in the table that a dry run prints."""
-    rows = dict(re.findall(r"^(\w+) +(\d+)$", printed, flags=re.MULTILINE))
+    rows = dict(re.findall(r"^([\w.]+) +(\d+)$", printed, flags=re.MULTILINE))
     return {rule: int(count) for rule, count in rows.items() if rule != "total"}
 
 

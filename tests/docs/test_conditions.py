@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import yaml
 
 from model import Prior
 from tests.docs.conditions import PAGE, Example, examples, in_words, patched, planned, prepare
@@ -27,7 +28,7 @@ REAL = {
 
 
 def test_the_page_has_an_example_of_each_kind() -> None:
-    assert len(EXAMPLES) == PAGE.read_text(encoding="utf-8").count("```yaml") == 11
+    assert len(EXAMPLES) == PAGE.read_text(encoding="utf-8").count("```yaml") == 12
     assert {example.name for example in EXAMPLES} >= REAL
 
 
@@ -56,5 +57,6 @@ def test_a_patch_merges_mappings_and_replaces_the_rest() -> None:
 
 def test_hyperparameters_have_the_documented_defaults() -> None:
     rows = [line.split(" | ") for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
-    documented = {cells[0].strip("|` "): float(cells[2]) for cells in rows}
-    assert documented == {key: float(getattr(Prior(), name)) for key, name in HYPERPARAMETERS.items()}
+    documented = {cells[0].strip("|` "): yaml.safe_load(cells[2]) for cells in rows}
+    defaults = Prior().model_dump(mode="json")
+    assert documented == {key: defaults[name] for key, name in HYPERPARAMETERS.items()}
