@@ -32,7 +32,7 @@ help:
 	@echo "make snakemake-report [CONFIG=…] [OUT=…]   the study, and Snakemake's own report of it (workflow, run times, results)"
 	@echo "make test | test-slow | lint | format | bench | docs"
 	@echo "make scale   a study with ten times the trials and seeds (hours), and what an even larger one would need"
-	@echo "make portable   what other processors would make of a study, with and without the pins (half an hour)"
+	@echo "make portable   what other processors would make of a study, with and without the pins (an hour and a half)"
 	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
 	@echo "make reference | reference-bench   run the study, or the benchmarks, and keep what they show in results/reference"
 	@echo "make clean   remove results but results/reference"
@@ -113,6 +113,7 @@ portable: $(READY)
 	@rm -rf $(OUT)/portable
 	@mkdir -p $(OUT)/portable
 	$(PYTHON) -m tests.workflow.portable --out $(OUT)/portable
+	$(PYTHON) -m tests.workflow.portable --out $(OUT)/portable --scores
 
 # Ten times the trials and ten times the seeds, and what a study that is again ten times as large would need.
 scale: $(READY)
