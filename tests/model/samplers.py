@@ -26,9 +26,11 @@ NO_MODELS = {"mmlda_released": "F is drawn once and for all, z hears the words t
 HEARING = [name for name, method in METHODS.items() if method.hears_words and name not in NO_MODELS]
 # Every method that a kind can fit.
 TAKEN = [(name, kind) for name, method in METHODS.items() for kind in SAMPLERS.values() if kind().takes(method)]
-# Each kind as it is by default, without annealing: a kernel that leaves the posterior as it is.
+# Each kind without annealing, a kernel that leaves the posterior as it is. The moves that are many by default, for a
+# study's data, are few: a sweep has all of them all the same, and a tiny model needs no more.
+EXACT_SETTINGS = {"temperature": 1.0, "split_merge": 4, "group_moves": 4, "cluster_moves": 20}
 EXACT: dict[str, Sampler[Any]] = {
-    kind: sampler(**({"temperature": 1.0} if "temperature" in sampler.model_fields else {}))
+    kind: sampler(**{name: value for name, value in EXACT_SETTINGS.items() if name in sampler.model_fields})
     for kind, sampler in SAMPLERS.items()
 }
 

@@ -79,8 +79,9 @@ GENERATORS = {
 def test_chains_agree_and_are_no_lower_than_the_truth(name: str, method: str) -> None:
     data = GENERATORS[name]
     problem = Problem.of(data.trials, method, Prior())
-    # Of the default's 600 iterations one case has an R-hat of 1.07.
-    sampler = Mixing(iterations=1200, keep_history=600)
+    # The default's iterations, but where one of the methods' chains then have an R-hat of 1.07.
+    iterations = 1200 if name == "objects of 100 dimensions" else 600
+    sampler = Mixing(iterations=iterations, keep_history=iterations // 2)
     fits = [fit(problem, sampler, np.random.default_rng([7, seed])) for seed in range(4)]
     found = {one.quantity: one for one in diagnose(chain_quantities(fits, pairs=0))}
     r_hat = found["log_joint"].r_hat
