@@ -20,9 +20,26 @@ from typing import ParamSpec, TypeVar
 import numba
 import numpy as np
 from llvmlite import binding
+from numba.core.caching import UserProvidedCacheLocator
 
 _Arguments = ParamSpec("_Arguments")
 _Result = TypeVar("_Result")
+
+
+class PackageLocator(UserProvidedCacheLocator):  # type: ignore[misc]
+    """Where Numba keeps the machine code of a function of this package: by its place in the package.
+
+    Numba's own locators name a folder by the path of the source, so that another clone, or the same one seen through
+    a link, would compile the same code again.
+    """
+
+    @classmethod
+    def get_suitable_cache_subpath(cls, py_file: str) -> str:
+        """The folder of a source file, below the folder of the package; of other files as Numba has it."""
+        folder, package = Path(py_file).absolute().parent, Path(__file__).absolute().parent
+        if folder.is_relative_to(package):
+            return folder.relative_to(package).as_posix()
+        return str(super().get_suitable_cache_subpath(py_file))
 
 
 def compiled(function: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
@@ -38,15 +55,16 @@ def compiled(function: Callable[_Arguments, _Result]) -> Callable[_Arguments, _R
 
 def _compile(function: Callable[_Arguments, _Result], **options: bool) -> Callable[_Arguments, _Result]:
     folder = cache_folder()
-    before = numba.config.CACHE_DIR
-    # Numba reads the setting when it decorates; nobody else's functions are to move into this folder.
+    before = numba.config.CACHE_DIR, numba.config.CACHE_LOCATOR_CLASSES
+    # Numba reads these settings when it decorates; nobody else's functions are to move into this folder.
     numba.config.CACHE_DIR = "" if folder is None else str(folder)
+    numba.config.CACHE_LOCATOR_CLASSES = f"{PackageLocator.__module__}.{PackageLocator.__name__}"
     try:
         dispatcher: Callable[_Arguments, _Result] = numba.njit(
             function, cache=folder is not None, error_model="numpy", **options
         )
     finally:
-        numba.config.CACHE_DIR = before
+        numba.config.CACHE_DIR, numba.config.CACHE_LOCATOR_CLASSES = before
     return dispatcher
 
 

@@ -17,8 +17,11 @@ from data_collection.log.mcap_log import Log, read_log
 from data_collection.simulation_settings import Simulation
 from tests.workflow.runs import SMOKE, run
 
-STUDY = Path(__file__).parents[1] / "config" / "config.yaml"
+ROOT = Path(__file__).parents[1]
+STUDY = ROOT / "config" / "config.yaml"
 TRIALS = 200
+# Copies of the project that tests make find there what is compiled, as long as they do not change the model.
+os.environ.setdefault("NUMBA_CACHE_DIR", str(ROOT / "model" / "__pycache__"))
 
 
 def simulation_of(experiment: str) -> Simulation:

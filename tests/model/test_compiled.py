@@ -39,10 +39,11 @@ print(log_total(np.zeros(1)), cache_folder())
 
 
 def start(root: Path, program: str = PROGRAM, **environment: str) -> subprocess.Popen[str]:
+    own = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     return subprocess.Popen(
         [sys.executable, "-c", program],
         cwd=root,
-        env={**os.environ, "PYTHONPATH": str(root), "PYTHONDONTWRITEBYTECODE": "1", **environment},
+        env={**own, "PYTHONPATH": str(root), "PYTHONDONTWRITEBYTECODE": "1", **environment},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -92,6 +93,21 @@ def test_a_package_that_cannot_be_written_is_no_hindrance(tmp_path: Path) -> Non
     assert list(Path(folder).rglob("dirichlet.log_total-*.nbc"))
     (tmp_path / "none").touch()
     assert result_of(start(tmp_path, ONE, XDG_CACHE_HOME=str(tmp_path / "none"))) == ["0.0", "None"]
+
+
+def test_another_clone_finds_what_is_compiled(tmp_path: Path) -> None:
+    """Also one that is seen through a link: the code is the same, and the path of its source says nothing of it."""
+    root, cache = Path(model.__file__).parents[1], tmp_path / "cache"
+    for name in ("model", "data_collection"):
+        shutil.copytree(root / name, tmp_path / "copy" / name, ignore=shutil.ignore_patterns("__pycache__"))
+        (tmp_path / "links").mkdir(exist_ok=True)
+        (tmp_path / "links" / name).symlink_to(root / name)
+    printed = [
+        start(place, ONE, NUMBA_CACHE_DIR=str(cache), NUMBA_DEBUG_CACHE="1").communicate(timeout=600)[0]
+        for place in (root, tmp_path / "copy", tmp_path / "links")
+    ]
+    assert [len(saved_by(one)) for one in printed] == [1, 0, 0]
+    assert len({one.splitlines()[-1] for one in printed}) == 1
 
 
 def test_the_folder_hangs_on_the_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
