@@ -39,6 +39,10 @@ class Figure:
         return f"{self.caption} In the paper: {self.paper}." if self.paper else self.caption
 
 
+_CURVES = (
+    "with 95 % bootstrap intervals over data sets and seeds, by method and, from left to right, by sampler. ALL "
+    "hears no words."
+)
 # By name. A name with {method} stands for a figure per method, one with {sampler} for a figure of each sampler that
 # the config shows; where it shows one alone, {sampler} is empty.
 FIGURES = {
@@ -70,6 +74,18 @@ FIGURES = {
         "What the robot saw of the objects in each color category of the same fit, the most typical first. Each "
         "category is named by its most probable word; categories without an object are left out.",
         "Figures 4D and 8D",
+    ),
+    "curves_over_omission": Figure(
+        "curves:over_omission",
+        "scores over ROW",
+        "Every measure over the share of the words that were left out, for the largest and the smallest D, "
+        + _CURVES,
+    ),
+    "curves_over_trials": Figure(
+        "curves:over_trials",
+        "scores over D",
+        "Every measure over the number of trials, for the smallest and the largest share of words left out, "
+        + _CURVES,
     ),
     "confusion_{method}": Figure(
         "confusion:confusion",
