@@ -239,13 +239,20 @@ def tables_of(
     for name, number, experiment, all_tasks, D in PAPER_TABLES:
         tasks = tuple(task for task in all_tasks if any((experiment, task, D or d) in run for _, _, d in run))
         if tasks:
-            which = f", D = {D}" if D else ""
+            which = _which_D(D or d for e, task, d in run if e == experiment and task in tasks)
             title = " and ".join(TASKS[task].title.lower() for task in tasks).capitalize()
             without = tuple((partial or {}).get(experiment, ()))
             tables[name] = Table(f"Table {number}. {title}, {experiment}{which}", experiment, tasks, D, without)
     for experiment, task in sorted({(experiment, task) for experiment, task, _ in run}):
-        tables[f"{experiment}_{task}"] = Table(f"{TASKS[task].title}, {experiment}", experiment, (task,))
+        which = _which_D(D for e, t, D in run if (e, t) == (experiment, task))
+        tables[f"{experiment}_{task}"] = Table(f"{TASKS[task].title}, {experiment}{which}", experiment, (task,))
     return tables
+
+
+def _which_D(Ds: Iterable[int]) -> str:  # noqa: N802 (D is the paper's)
+    """How a title names the D of a table that shows one only; a column tells several."""
+    found = set(Ds)
+    return f", D = {found.pop()}" if len(found) == 1 else ""
 
 
 def files_of_tables(tables: Mapping[str, Table]) -> list[str]:
