@@ -175,7 +175,7 @@ def test_the_tables_of_a_study() -> None:
     assert "own_uncertain_differences.csv" not in files_of_tables(tables)
 
 
-def test_titles_tell_the_one_D_of_a_table() -> None:
+def test_titles_tell_the_one_number_of_trials() -> None:
     tables = tables_of([("simulator", "csl", 20), ("simulator", "csl", 40), ("simulator", "generation", 40)])
     assert {name: table.title for name, table in tables.items()} == {
         "table_1a": "Table 1A. Learning, simulator, D = 20",
