@@ -39,6 +39,10 @@ class Figure:
         return f"{self.caption} In the paper: {self.paper}." if self.paper else self.caption
 
 
+_CURVES = (
+    "with 95 % bootstrap intervals over data sets and seeds, by method and, from left to right, by sampler. ALL "
+    "hears no words."
+)
 # By name. A name with {method} stands for a figure per method, one with {sampler} for a figure of each sampler that
 # the config shows; where it shows one alone, {sampler} is empty.
 FIGURES = {
@@ -70,6 +74,18 @@ FIGURES = {
         "What the robot saw of the objects in each color category of the same fit, the most typical first. Each "
         "category is named by its most probable word; categories without an object are left out.",
         "Figures 4D and 8D",
+    ),
+    "curves_over_omission": Figure(
+        "curves:over_omission",
+        "scores over ROW",
+        "Every measure over the share of the words that were left out, for the largest and the smallest D, "
+        + _CURVES,
+    ),
+    "curves_over_trials": Figure(
+        "curves:over_trials",
+        "scores over D",
+        "Every measure over the number of trials, for the smallest and the largest share of words left out, "
+        + _CURVES,
     ),
     "confusion_{method}": Figure(
         "confusion:confusion",
@@ -223,13 +239,20 @@ def tables_of(
     for name, number, experiment, all_tasks, D in PAPER_TABLES:
         tasks = tuple(task for task in all_tasks if any((experiment, task, D or d) in run for _, _, d in run))
         if tasks:
-            which = f", D = {D}" if D else ""
+            which = _which_D(D or d for e, task, d in run if e == experiment and task in tasks)
             title = " and ".join(TASKS[task].title.lower() for task in tasks).capitalize()
             without = tuple((partial or {}).get(experiment, ()))
             tables[name] = Table(f"Table {number}. {title}, {experiment}{which}", experiment, tasks, D, without)
     for experiment, task in sorted({(experiment, task) for experiment, task, _ in run}):
-        tables[f"{experiment}_{task}"] = Table(f"{TASKS[task].title}, {experiment}", experiment, (task,))
+        which = _which_D(D for e, t, D in run if (e, t) == (experiment, task))
+        tables[f"{experiment}_{task}"] = Table(f"{TASKS[task].title}, {experiment}{which}", experiment, (task,))
     return tables
+
+
+def _which_D(Ds: Iterable[int]) -> str:  # noqa: N802 (D is the paper's)
+    """How a title names the D of a table that shows one only; a column tells several."""
+    found = set(Ds)
+    return f", D = {found.pop()}" if len(found) == 1 else ""
 
 
 def files_of_tables(tables: Mapping[str, Table]) -> list[str]:

@@ -20,14 +20,16 @@ def adjusted_rand_index(z: Ints, truth: Truth) -> float | None:
         truth: (N,) true classes; elements of unknown class (None) are left out.
 
     Returns:
-        The index, None where no class is known.
+        The index, None where it is not defined: where no class is known, and where chance could not do otherwise, as
+        with one element, or with both all alike or both all different (it is 0 / 0 then).
     """
     if truth is None:
         return None
     known = np.array([label is not None for label in truth], dtype=bool)
-    if not known.any():
-        return None
     labels = np.array([label for label in truth if label is not None])
+    classes, categories = len(set(labels.tolist())), len(np.unique(z[known]))
+    if len(labels) < 2 or classes == categories in (1, len(labels)):
+        return None
     return float(adjusted_rand_score(labels, z[known]))
 
 

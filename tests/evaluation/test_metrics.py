@@ -29,6 +29,14 @@ def test_ari_leaves_unknown_classes_out() -> None:
     assert adjusted_rand_index(np.array([0, 1]), None) is None
 
 
+def test_ari_is_undefined_where_chance_cannot_do_otherwise() -> None:
+    for z, truth in (([3], ["a"]), ([3, 3], ["a", "a"]), ([0, 1, 2], ["a", "b", "c"]), ([0, 1], ["a", None])):
+        assert adjusted_rand_index(np.array(z), truth) is None
+    # One of the two alone is no such case.
+    assert adjusted_rand_index(np.array([0, 1, 1]), ["a", "a", "a"]) == 0.0
+    assert adjusted_rand_index(np.array([0, 0, 1]), ["a", "b", "c"]) == 0.0
+
+
 def test_ear_counts_words() -> None:
     assert estimation_accuracy_rate(np.array([0, 1, 2, 3]), [0, 1, 3, 2]) == 0.5
     assert estimation_accuracy_rate(np.array([0, 1, 2]), [0, None, 2]) == 1.0

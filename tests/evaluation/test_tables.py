@@ -175,6 +175,17 @@ def test_the_tables_of_a_study() -> None:
     assert "own_uncertain_differences.csv" not in files_of_tables(tables)
 
 
+def test_titles_tell_the_one_number_of_trials() -> None:
+    tables = tables_of([("simulator", "csl", 20), ("simulator", "csl", 40), ("simulator", "generation", 40)])
+    assert {name: table.title for name, table in tables.items()} == {
+        "table_1a": "Table 1A. Learning, simulator, D = 20",
+        "table_1b": "Table 1B. Learning, simulator, D = 40",
+        "table_2": "Table 2. Action generation, simulator, D = 40",
+        "simulator_csl": "Learning, simulator",
+        "simulator_generation": "Action generation, simulator, D = 40",
+    }
+
+
 def test_a_note_tells_the_chance_of_the_measures_that_are_shown() -> None:
     assert chance_note(("EAR", "F1")) == ""
     assert chance_note(("WAR", "OAR")).startswith("Chance: of WAR, an action")

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from evaluation.catalogue import FIGURES, files_of_tables, shown_figure, tables_of
+from model import METHODS
 from workflow.artifacts.versions import pinned_packages, python_version, study_hash
 from workflow.plan.all_settings import all_settings, source_in_words
 
@@ -59,6 +60,15 @@ def crop_inputs(name, sampler):
     return files | {"percepts": percept_paths(data, "train", condition.D)}, shown
 
 
+def scores_over(name, setting):
+    """All scores, for curves over D or ROW, of the first variant that has several; None without."""
+    for variant in study.experiments[name].settings.variants:
+        own = [one for one in study.conditions(name) if one.variant == variant and METHODS[one.method].hears_words]
+        if len({getattr(one, setting) for one in own}) > 1:
+            return {"scores": ["scores.csv"]}, {"variant": variant}
+    return None
+
+
 def description_inputs(name):
     counts = tested_files([name], "description", "confusion/{experiment}_D{D}.csv")
     return ({"counts": counts}, {"words": study.experiments[name].words}) if counts else None
@@ -112,6 +122,8 @@ def simulation_inputs(name):
 FIGURE_INPUTS = {
     "fit": fit_inputs,
     "fit and crops": crop_inputs,
+    "scores over ROW": lambda name: scores_over(name, "ROW"),
+    "scores over D": lambda name: scores_over(name, "D"),
     "descriptions": description_inputs,
     "executed answers": execution_inputs,
     "instructions": instruction_inputs,
