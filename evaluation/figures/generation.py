@@ -19,30 +19,38 @@ from evaluation.figures.source import Source
 from evaluation.generation import read_answers
 
 COLUMNS = 3
+# More make a picture that nobody looks at, and in the end one that no program opens.
+MOST = 60
 RIGHT, WRONG = "#1b7837", "#c1272d"
 
 
 def generation(source: Source) -> Figure:
-    """The actions of the most probable fit."""
-    answered, logs, title = _carried_out(source)
+    """The actions of the most probable fit, the first `MOST` of them."""
+    answered, logs, total, title = _carried_out(source, MOST)
     seen = [observation(log) for log in logs]
     pictures = [(one.image_before, one.image_after) for one in seen if one.image_after is not None]
-    return generated_actions(answered, pictures, title)
+    return generated_actions(answered, pictures, title + shown_of(len(answered), total))
 
 
 def action(source: Source) -> Animation:
     """One action of the most probable fit, from outside."""
-    answered, logs, _ = _carried_out(source)
+    answered, logs, *_ = _carried_out(source)
     frames = animation(logs[shown_action(answered, logs)], width=400, height=300, every=2)
     return Animation(frames, rate=8.0, hold=2.0)
 
 
-def _carried_out(source: Source) -> tuple[pd.DataFrame, list[Log], str]:
-    """The answers of the most probable fit, the log of each, and the title."""
+def _carried_out(source: Source, most: int | None = None) -> tuple[pd.DataFrame, list[Log], int, str]:
+    """The first answers of the most probable fit, the log of each, how many answers there are, and the title."""
     best, _, title = source.most_probable()
-    answered = read_answers(source.files["answers"][best])
+    every = read_answers(source.files["answers"][best])
+    answered = every.head(len(every) if most is None else most)
     logs = [read_log(source.files["logs"][best] / f"trial_{trial:04}.mcap") for trial in answered["trial"]]
-    return answered, logs, title
+    return answered, logs, len(every), title
+
+
+def shown_of(shown: int, total: int) -> str:
+    """What a title adds where not all are shown."""
+    return f"; the first {shown} of {total} instructions" if shown < total else ""
 
 
 def generated_actions(answered: pd.DataFrame, pictures: Sequence[tuple[Image, Image]], title: str) -> Figure:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -14,8 +15,8 @@ from PIL import Image
 from evaluation.figures.categories import category_crops, typical_first
 from evaluation.figures.drawing import PAGE_WIDTH, coarse, picture, save_figure
 from evaluation.figures.fit import position_categories, word_distributions
-from evaluation.figures.generation import generated_actions, in_words
-from evaluation.figures.source import by_log_joint, title
+from evaluation.figures.generation import MOST, generated_actions, generation, in_words, shown_of
+from evaluation.figures.source import Source, by_log_joint, title
 from model import Fit, save
 from tests.synthetic import WORDS
 
@@ -140,6 +141,24 @@ def test_actions_are_told_right_from_wrong() -> None:
     assert in_words("touch", "touch", 0.5)[0] == "touch: right word, object chosen among equals"
     right = in_words("touch", "touch", 1.0)[1]
     assert right not in (in_words("touch", "reach", 1.0)[1], in_words("touch", "touch", 0.0)[1])
+
+
+def test_only_the_first_generated_actions_are_read_and_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is beyond the limit is not opened either, and the title says how many there are."""
+    count = MOST + 30
+    columns = {"instruction": "touch cup", "action": "touch", "judged": "touch", "object_right": 1.0}
+    answers = pd.DataFrame({"trial": range(1, count + 1)}).assign(**columns)
+    picture, opened = np.zeros((3, 4, 3), dtype=np.uint8), list[Path]()
+    seen = SimpleNamespace(image_before=picture, image_after=picture)
+    module = "evaluation.figures.generation."
+    monkeypatch.setattr(module + "read_answers", lambda path: answers)
+    monkeypatch.setattr(module + "read_log", opened.append)
+    monkeypatch.setattr(module + "observation", lambda log: seen)
+    monkeypatch.setattr(Source, "most_probable", lambda self: (0, None, "own"))
+    figure = generation(Source({}, {"answers": [Path("answers")], "logs": [Path("logs")]}, {}))
+    assert len(opened) == len([axes for axes in figure.axes if axes.images]) == MOST
+    assert figure.get_suptitle().endswith(f"own; the first {MOST} of {count} instructions")
+    assert shown_of(12, 12) == ""
 
 
 def test_each_generated_action_has_its_pictures() -> None:
