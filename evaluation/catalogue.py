@@ -19,6 +19,7 @@ class Figure:
         inputs: What it is drawn from: a key of `FIGURE_INPUTS` in `workflow/rules/presentation_functions.smk`.
         caption: What is seen, in one to three sentences.
         paper: What the paper calls it, in Experiments I and II; None for a figure that the paper does not have.
+        first: Whether the report shows it at once; others are folded.
         forms: The endings of its files; pages show the first.
     """
 
@@ -26,6 +27,7 @@ class Figure:
     inputs: str
     caption: str
     paper: str | None = None
+    first: bool = False
     forms: tuple[str, ...] = ("png", "pdf")
 
     @property
@@ -53,6 +55,7 @@ FIGURES = {
         "word, darker where the word is more probable. A box surrounds each channel's own words; where words are "
         "learned well, the dark cells lie in the boxes.",
         "Figures 4A and 8A",
+        first=True,
     ),
     "positions{sampler}": Figure(
         "fit:positions",
@@ -147,18 +150,20 @@ class ShownFigure:
         path: Its file, below the output folder.
         title: Its heading.
         caption: What is seen.
+        first: Whether the report shows it at once.
     """
 
     path: str
     title: str
     caption: str
+    first: bool = False
 
 
 def shown_figure(name: str, experiment: str, method: str = "", sampler: str = "") -> ShownFigure:
     """A figure of an experiment and, where it is drawn for each, of a method or a sampler (as `_mixing`)."""
     figure, own = FIGURES[name], name.format(method=method, sampler=sampler)
     title = f"{own.replace('_', ' ').capitalize()}, {experiment}"
-    return ShownFigure(f"figures/{experiment}_{own}.{figure.forms[0]}", title, figure.full_caption)
+    return ShownFigure(f"figures/{experiment}_{own}.{figure.forms[0]}", title, figure.full_caption, figure.first)
 
 
 @dataclass(frozen=True)

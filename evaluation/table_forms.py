@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from evaluation.templates import render, simple_page
+from evaluation.templates import render, simple_page, wide
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Sheet:
 
 def files(sheet: Sheet) -> dict[str, str]:
     """The text of each file of a table, by the ending of its name."""
-    fragments = "\n".join(fragment(grid) for grid in sheet.filled)
+    fragments = "\n".join(wide(fragment(grid)) for grid in sheet.filled)
     return {
         ending: frame.to_csv(index=False, lineterminator="\n", float_format="%.6f")
         for ending, frame in sheet.data.items()

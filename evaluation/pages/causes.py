@@ -9,10 +9,10 @@ import pandas as pd
 from evaluation.claims.judging import OPEN
 from evaluation.differences import letter, signed
 from evaluation.effects import COMPARED, EQUAL, GIVEN, HIGHER, LOWER, effects
-from evaluation.pages.page import Section, wide
+from evaluation.pages.page import Section
 from evaluation.scores import varying
 from evaluation.table_forms import Grid, fragment
-from evaluation.templates import render
+from evaluation.templates import render, wide
 from model import METHODS
 
 
@@ -28,9 +28,8 @@ def section(scores: pd.DataFrame) -> Section:
     samplers = list(scores["sampler"].unique())
     counts = {name: own["dataset"].nunique() for name, own in scores.groupby("experiment", sort=False)}
     shown = {"over": ", ".join(f"{name!s}: {n}" for name, n in counts.items()), "one": min(counts.values()) == 1}
-    return Section(
-        "causes", "Model and sampler", render("causes.html", samplers=samplers, said=said, **shown, **tables)
-    )
+    text = render("causes.html", samplers=samplers, said=said, **shown, **tables)
+    return Section("causes", "Model and sampler", text, folded=True)
 
 
 def _table(found: pd.DataFrame, axis: str) -> str:

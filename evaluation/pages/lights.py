@@ -27,11 +27,12 @@ def mark(light: str) -> str:
     return f'<span class="{MARKS[light]}" title="{escape(LIGHTS[light])}">{escape(light)}</span>'
 
 
-def section(convergence: pd.DataFrame) -> Section:
+def section(convergence: pd.DataFrame, folded: bool = False) -> Section:
     """Whether the chains of each condition agree.
 
     Args:
         convergence: A row per condition, as `evaluation.convergence.beside_truth` gives them.
+        folded: Whether the section is folded, as beside others.
     """
     text = render("lights.html", conditions=len(convergence), counted=counted(convergence.light), mark=mark, **LIMITS)
     parts = tuple(
@@ -42,7 +43,7 @@ def section(convergence: pd.DataFrame) -> Section:
         )
         for (name, D), own in convergence.groupby(["experiment", "D"], sort=False)
     )
-    return Section("diagnostics", "Diagnostics", text, parts)
+    return Section("diagnostics", "Diagnostics", text, parts, folded)
 
 
 def _pages(convergence: pd.DataFrame) -> Iterator[str]:

@@ -28,6 +28,7 @@ def settings(config: str, experiments: Mapping[str, Mapping[str, Any]]) -> Secti
         "Settings",
         f"<p>What <code>{escape(config)}</code> says, and the defaults of what it leaves open.</p>",
         parts,
+        folded=True,
     )
 
 
@@ -46,7 +47,7 @@ def versions(python: str, packages: Mapping[str, str], hashes: Mapping[str, str]
     """
     pinned = pd.DataFrame([("Python", python), *packages.items()], columns=["package", "version"])
     digests = pd.DataFrame(list(hashes.items()), columns=["of", "sha256"])
-    return Section("versions", "Versions", table(pinned) + table(digests, _code))
+    return Section("versions", "Versions", table(pinned) + table(digests, _code), folded=True)
 
 
 def _code(column: str, value: object) -> str:

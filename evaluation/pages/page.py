@@ -10,7 +10,7 @@ from html import escape
 
 import pandas as pd
 
-from evaluation.templates import render
+from evaluation.templates import render, wide
 
 MEDIA_TYPES = {".png": "image/png", ".gif": "image/gif", ".jpg": "image/jpeg", ".svg": "image/svg+xml"}
 
@@ -26,11 +26,13 @@ class Part:
         anchor: Its name in links, unique on the page.
         title: Its heading, plain text.
         body: HTML.
+        folded: Whether only its heading is seen until it is opened; a link to it opens it.
     """
 
     anchor: str
     title: str
     body: str
+    folded: bool = False
 
 
 @dataclass(frozen=True)
@@ -42,12 +44,14 @@ class Section:
         title: Its heading, plain text.
         body: HTML before the parts.
         parts: Its pieces, each of which the table of contents lists.
+        folded: As of a part.
     """
 
     anchor: str
     title: str
     body: str
     parts: tuple[Part, ...] = ()
+    folded: bool = False
 
 
 def page(title: str, sections: Sequence[Section]) -> str:
@@ -67,11 +71,6 @@ def page(title: str, sections: Sequence[Section]) -> str:
     if twice:
         raise ValueError(f"anchors that stand twice on the page: {', '.join(twice)}")
     return render("report.html", title=title, sections=sections)
-
-
-def wide(content: str) -> str:
-    """HTML that may be wider than the page, and then scrolls by itself."""
-    return f'<div class="wide">{content}</div>'
 
 
 def table(frame: pd.DataFrame, cell: Callable[[str, object], str] = lambda _, value: escape(str(value))) -> str:

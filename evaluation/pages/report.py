@@ -9,15 +9,17 @@ from typing import Any
 
 import pandas as pd
 
-from evaluation.catalogue import ShownFigure
-from evaluation.pages.page import Part, Section, image, table, wide
+from evaluation.catalogue import PAPER_TABLES, ShownFigure
+from evaluation.pages.page import Part, Section, image, table
 from evaluation.scores import ROW_KEYS, UNITS
 from evaluation.table_forms import Sheet, fragment
-from evaluation.templates import render
+from evaluation.templates import render, wide
 from model import METHODS
 
 # A larger file, as an animation may be, is linked rather than embedded.
 LARGEST_IMAGE = {".gif": 1_500_000}
+# What of a claim is seen at once, as far as it is told; the rest is folded.
+FIRST = ("claim", "text", "verdict", "other_samplers", "ours")
 MARKS = {"holds": "mark yes", "does not hold": "mark no"}
 
 
@@ -63,8 +65,8 @@ def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame, anchors: Collection
     """The paper's claims, and which of them hold here.
 
     Args:
-        claimed: A row per claim; all columns are shown. Those called `claim`, `verdict` and `rests_on` become anchors
-            `claim_1` …, marks, and links.
+        claimed: A row per claim; all columns are shown, those of `FIRST` unfolded. Those called `claim`, `verdict`
+            and `rests_on` become anchors `claim_1` …, marks, and links.
         comparisons: A row per comparison on which a claim rests, likewise.
         anchors: The anchors of the page, to which links to files of their names lead.
     """
@@ -81,9 +83,10 @@ def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame, anchors: Collection
 
     verdicts = ", ".join(f"{verdict} {n}" for verdict, n in claimed["verdict"].value_counts(sort=False).items())
     # The verdict must not be where only scrolling leads.
-    first = [name for name in ("claim", "text", "verdict", "other_samplers") if name in claimed]
-    own = table(claimed[[*first, *claimed.columns.drop(first)]], cell_of_claim)
-    shown = {"claims": own, "comparisons": table(comparisons, cell), "number": len(comparisons)}
+    first = [name for name in FIRST if name in claimed]
+    rest = ["claim", *claimed.columns.drop(first)]
+    tables = {"claims": table(claimed[first], cell_of_claim), "behind": table(claimed[rest], cell)}
+    shown = {**tables, "comparisons": table(comparisons, cell), "number": len(comparisons)}
     return Section("claims", "Claims of the paper", render("claims_section.html", verdicts=verdicts, **shown))
 
 
@@ -100,22 +103,49 @@ def _link(word: str, anchors: Collection[str]) -> str:
     return f'<a href="{escape(word)}">{escape(PurePath(path).name)}</a>' if "/" in word else escape(word)
 
 
+def without_repeats(sheets: Mapping[str, Sheet]) -> dict[str, Sheet]:
+    """The tables without those of which every named cell stands in the ones before."""
+    kept, shown = {}, set[str]()
+    for name, sheet in sheets.items():
+        own = _cells(sheet)
+        if not own or not own <= shown:
+            kept[name] = sheet
+        shown |= own
+    return kept
+
+
+def _cells(sheet: Sheet) -> set[str]:
+    """The names of the cells of a table."""
+    named = [grid.names for grid in sheet.filled if grid.names is not None]
+    return {str(name) for names in named for column in names for name in names[column].dropna()}
+
+
 def tables(sheets: Mapping[str, Sheet]) -> Section:
     """All tables, each with its file's name as anchor; the ids of cells begin with it, because tables share cells.
+
+    Those of the paper are unfolded, and others that have scores of which no cell stands in one before.
 
     Args:
         sheets: What the tables hold, by name.
     """
     text = "<p>Each table is also a file, for a spreadsheet or a paper.</p>"
-    parts = (Part(name, sheet.title, _table(name, sheet)) for name, sheet in sheets.items())
+    of_paper, parts, shown = {name for name, *_ in PAPER_TABLES}, [], set[str]()
+    for name, sheet in sheets.items():
+        own = _cells(sheet)
+        folded = name not in of_paper and (not own or bool(own & shown))
+        parts.append(Part(name, sheet.title, _table(name, sheet), folded))
+        shown |= own
     return Section("tables", "Tables", text, tuple(parts))
 
 
 def _table(name: str, sheet: Sheet) -> str:
+    """A table; its differences and how to read it are folded."""
     # The heading says what the first caption would say again.
-    shown = (wide(fragment(grid, f"{name}.", grid.caption != sheet.title)) for grid in sheet.filled)
+    shown = [wide(fragment(grid, f"{name}.", grid.caption != sheet.title)) for grid in sheet.filled]
+    more = "Differences, and how to read this table" if len(shown) > 1 else "How to read this table"
+    behind = "\n".join([*shown[1:], f"<p>{escape(sheet.note)}</p>"])
     files = _files(f"tables/{name}.{form}" for form in ("csv", "md", "tex"))
-    return "\n".join([*shown, f"<p>{escape(sheet.note)}</p>", files])
+    return "\n".join([*shown[:1], f"<details><summary>{more}</summary>{behind}</details>", files])
 
 
 def _files(paths: Iterable[str]) -> str:
@@ -139,4 +169,4 @@ def _figure_part(figure: ShownFigure, path: Path) -> Part:
     fits = len(content) <= LARGEST_IMAGE.get(path.suffix, len(content))
     shown = image(content, path.suffix, f"{figure.title}. {figure.caption}") if fits else where
     body = f'<figure><a href="{where}">{shown}</a><figcaption>{escape(figure.caption)}</figcaption></figure>'
-    return Part(figure.path, figure.title, body)
+    return Part(figure.path, figure.title, body, folded=not figure.first)

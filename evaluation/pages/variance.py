@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from evaluation.pages.page import Section, wide
+from evaluation.pages.page import Section
 from evaluation.scores import varying
 from evaluation.table_forms import Grid, fragment
-from evaluation.templates import render
+from evaluation.templates import render, wide
 from evaluation.variance import SPLIT, pooled
 from model import METHODS
 
@@ -22,7 +22,7 @@ def section(split: pd.DataFrame) -> Section:
     found = pooled(split)
     shown = wide(fragment(Grid("", _cells(found)), captioned=False)) if len(found) else ""
     alone = sorted(split.loc[split["datasets"] == 1, "experiment"].unique())
-    return Section("variance", "Data sets and seeds", render("variance.html", table=shown, alone=alone))
+    return Section("variance", "Data sets and seeds", render("variance.html", table=shown, alone=alone), folded=True)
 
 
 def _cells(found: pd.DataFrame) -> pd.DataFrame:

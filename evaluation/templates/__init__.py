@@ -30,6 +30,11 @@ def render(template: str, **values: object) -> str:
     return _environment().get_template(template).render(values)
 
 
+def wide(content: str) -> str:
+    """HTML that may be wider than the page, and then scrolls by itself."""
+    return f'<div class="wide">{content}</div>'
+
+
 def simple_page(title: str, body: str) -> str:
     """Give a page that needs no other file: its title is plain text, its body HTML."""
     return render("simple.html", title=title, body=body)

@@ -16,6 +16,7 @@ from evaluation.pages import causes, lights, origins, report, variance
 from evaluation.pages.page import Part, Section, page
 from evaluation.scores import COLUMNS
 from evaluation.table_forms import Grid, Sheet
+from evaluation.templates import render, simple_page
 from evaluation.variance import variance_split
 from tests.browser import look, needs_chromium
 
@@ -140,7 +141,7 @@ def test_the_verdict_comes_before_other_columns(claimed: pd.DataFrame) -> None:
     body = report.claims(
         claimed.assign(paper="")[["paper", "rests_on", "verdict", "text", "claim"]], COMPARISONS, ()
     ).body
-    assert re.findall("<th>(.*?)</th>", body)[:5] == ["claim", "text", "verdict", "paper", "rests on"]
+    assert re.findall("<th>(.*?)</th>", body)[:6] == ["claim", "text", "verdict", "claim", "paper", "rests on"]
 
 
 def test_every_table_has_its_anchor(tables: dict[str, Sheet]) -> None:
@@ -152,6 +153,41 @@ def test_every_table_has_its_anchor(tables: dict[str, Sheet]) -> None:
     assert 'href="tables/table_1a.csv"' in parts[0].body
     assert re.findall("<caption>.*?</caption>", parts[1].body) == ["<caption>Differences</caption>"]
     assert re.findall('id="(.*?)"', parts[1].body) == ["table_1b.cell"]
+
+
+def test_a_table_whose_cells_all_stand_in_another_is_left_out(tables: dict[str, Sheet]) -> None:
+    assert list(report.without_repeats(tables)) == ["table_1a", "table_1b"]
+    more = Grid("More", pd.DataFrame({"ARI": ["0.5"]}), names=pd.DataFrame({"ARI": ["new"]}))
+    grids = (*tables["own_csl"].grids, more)
+    assert "own_csl" in report.without_repeats({**tables, "own_csl": Sheet("Own", grids, "", {})})
+
+
+def test_main_tables_and_first_figures_are_unfolded(tables: dict[str, Sheet], figures: list[ShownFigure]) -> None:
+    assert [part.folded for part in report.tables(tables).parts] == [False, False, True]
+    assert [part.folded for part in report.tables({"own_csl": tables["own_csl"]}).parts] == [False]
+    assert [figure.first for figure in figures] == [True, False, False, False]
+
+
+def test_what_is_folded_is_seen_by_its_heading_and_opens_by_its_anchor() -> None:
+    parts = (Part("open", "Open", "one"), Part("shut", "Shut", "two", folded=True))
+    text = page("A report", [Section("all", "All", "", parts)])
+    assert re.search(r'<article id="shut">\s*<details><summary><h3>Shut</h3></summary>\s*two\s*</details>', text)
+    assert re.search(r'<article id="open">\s*<h3>Open</h3>\s*one\s*</article>', text)
+
+
+def test_differences_and_notes_of_a_table_are_folded(tables: dict[str, Sheet]) -> None:
+    body = report.tables(tables).parts[1].body
+    before, _, behind = body.partition("<details>")
+    assert "table_1b.cell" in before
+    assert "Differences" in behind.partition("</details>")[0]
+    assert "A note." in behind.partition("</details>")[0]
+
+
+def test_numbers_are_not_broken_and_all_pages_share_a_style() -> None:
+    css = render("report.css")
+    assert "td { white-space: nowrap; }" in css
+    pages = [simple_page("A", ""), page("A", []), render("ratings.html", clips=[], title="A")]
+    assert all(css.strip() in text for text in pages)
 
 
 def test_figures_say_what_they_show(figures: list[ShownFigure], tmp_path: Path) -> None:

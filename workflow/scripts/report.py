@@ -16,7 +16,7 @@ from workflow.execution.job import job
 
 with job(snakemake) as (files, out):
     params = snakemake.params
-    tables = sheets(params.tables, files.scores, files.uncertain, files.convergence)
+    tables = report.without_repeats(sheets(params.tables, files.scores, files.uncertain, files.convergence))
     claims, comparisons = (pd.read_csv(path, dtype=str, keep_default_na=False) for path in files.claims)
     made = {name: read_metadata(path) for name, path in zip(params.droppable, files.droppable, strict=True)}
     dropped = {name: json.loads(told.get("dropped", "[]")) for name, told in made.items()}
@@ -24,11 +24,11 @@ with job(snakemake) as (files, out):
     sections = [
         report.about(params.config, params.sources, scores, dropped),
         report.claims(claims, comparisons, tables),
-        causes.section(scores),
-        variance.section(pd.read_csv(files.variance)),
         report.tables(tables),
         report.figures(params.figures, Path()),
-        lights.section(read_lights(files.convergence)),
+        causes.section(scores),
+        variance.section(pd.read_csv(files.variance)),
+        lights.section(read_lights(files.convergence), folded=True),
         origins.settings(params.config, params.settings),
         origins.versions(params.python, params.packages, params.hashes),
         origins.reproduction(params.config),
