@@ -83,12 +83,14 @@ FIGURES = {
         "scores over ROW",
         "Every measure over the share of the words that were left out, for the largest and the smallest D, "
         + _CURVES,
+        first=True,
     ),
     "curves_over_trials": Figure(
         "curves:over_trials",
         "scores over D",
         "Every measure over the number of trials, for the smallest and the largest share of words left out, "
         + _CURVES,
+        first=True,
     ),
     "confusion_{method}": Figure(
         "confusion:confusion",

@@ -18,6 +18,7 @@ from PIL import Image as Pillow
 from data_collection.files import replacing
 from data_collection.image_files import save_gif, save_png
 from data_collection.log.messages import Image
+from evaluation.figures.fonts import every_script
 
 PAGE_WIDTH = 7.0
 """Width of a figure, inches; at this width no letter is smaller than 7 points."""
@@ -86,15 +87,16 @@ def save_figure(figure: Figure, *paths: Path) -> None:
     A PNG has 64 shades of each of red, green and blue: nobody sees the difference, but noise in photographs takes
     half the room.
     """
-    for path in paths:
-        with replacing(path) as (temporary,):
-            if path.suffix == ".pdf":
-                figure.savefig(temporary, dpi=DPI, format="pdf", metadata={"CreationDate": None})
-                continue
-            drawn = BytesIO()
-            figure.savefig(drawn, dpi=DPI, format="png")
-            shades = coarse(np.asarray(Pillow.open(drawn).convert("RGB")))
-            Pillow.fromarray(shades).save(temporary, format="PNG", optimize=True)
+    with every_script(figure):
+        for path in paths:
+            with replacing(path) as (temporary,):
+                if path.suffix == ".pdf":
+                    figure.savefig(temporary, dpi=DPI, format="pdf", metadata={"CreationDate": None})
+                    continue
+                drawn = BytesIO()
+                figure.savefig(drawn, dpi=DPI, format="png")
+                shades = coarse(np.asarray(Pillow.open(drawn).convert("RGB")))
+                Pillow.fromarray(shades).save(temporary, format="PNG", optimize=True)
 
 
 def coarse(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
