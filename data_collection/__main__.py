@@ -63,13 +63,16 @@ def topics() -> str:
 
 
 def _check(path: Path, options: argparse.Namespace) -> bool:
-    from data_collection.log.validation import kind_of, problems
+    from data_collection.log.times import time_notes
+    from data_collection.log.validation import kind_of, problems, told
 
     log = read_log(path)
-    found = problems(log)
-    if found:
-        raise LogError("\n".join(found))
-    _say(f"{path}: {kind_of(log)}, {len(log.messages)} messages, {_seconds(log):.2f} s{_said(log)}")
+    if found := problems(log):
+        raise LogError(told(found))
+    kind = kind_of(log)
+    _say(f"{path}: {kind}, {len(log.messages)} messages, {_seconds(log):.2f} s{_said(log)}")
+    for note in time_notes(log) if kind != "calibration" else ():
+        _say(f"  note: {note}")
     return True
 
 
@@ -107,10 +110,12 @@ def _export(logs: Sequence[Path], out: Path) -> int:
 
     files = [file for path in logs for file in (sorted(path.rglob("*.mcap")) if path.is_dir() else [path])]
     try:
-        export(files, out)
+        notes = export(files, out)
     except (LogError, FileExistsError) as error:
         _say(str(error), error=True)
         return 1
+    for note in notes:
+        _say(f"note: {note}")
     _say(f"{out}: written")
     return 0
 

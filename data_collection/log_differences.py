@@ -1,15 +1,13 @@
 """Whether two logs say the same, and simulating a log again from its own metadata."""
 
-import dataclasses
 import json
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from data_collection.episode import SETS, calibrate, collect, execute
 from data_collection.limits import MAX_TRIAL
 from data_collection.log.mcap_log import Log, LogError
+from data_collection.log.messages import same
 from data_collection.simulation_settings import Simulation
 from data_collection.task import Command
 
@@ -29,7 +27,7 @@ def differences(first: Log, second: Log) -> list[str]:
         if (one.topic, one.time) != (other.topic, other.time):
             found.append(f"{one.topic} at {one.time} ns and {other.topic} at {other.time} ns")
             break
-        if not _same(one.value, other.value):
+        if not same(one.value, other.value):
             found.append(f"{one.topic} at {one.time} ns: values differ")
     return found
 
@@ -56,6 +54,15 @@ def regenerate(log: Log) -> Log:
             raise ValueError(f"seed {seed}, trial {trial}: from 0, and from 1 to {MAX_TRIAL:,}, are expected")
     except (ValueError, TypeError, RecursionError) as error:
         raise LogError(f"{log.source}: its metadata do not fit this version:\n{error}") from error
+    try:
+        return _simulated(log, simulation, seed, trial, commands)
+    except Exception as error:  # what a stranger's settings break surfaces as errors of the simulator, of NumPy, …
+        raise LogError(
+            f"{log.source}: cannot be simulated again from its metadata ({type(error).__name__}: {error})"
+        ) from error
+
+
+def _simulated(log: Log, simulation: Simulation, seed: int, trial: int, commands: list[Command]) -> Log:
     set_name = log.metadata["set"]
     told: Any = {"experiment": log.metadata["experiment"], "seed": seed, "provenance": _provenance(log.metadata)}
     if set_name == "calibration":
@@ -68,15 +75,3 @@ def regenerate(log: Log) -> Log:
 def _provenance(metadata: Mapping[str, str]) -> dict[str, str]:
     derived = {*_OWN_KEYS, "settings_sha256", "joint_names", "tactile_names", "units", "command"}
     return {key: value for key, value in metadata.items() if key not in derived}
-
-
-def _same(one: object, other: object) -> bool:
-    if type(one) is not type(other):
-        return False
-    if isinstance(one, np.ndarray):
-        return np.array_equal(one, np.asarray(other))
-    if isinstance(one, tuple) and isinstance(other, tuple):
-        return len(one) == len(other) and all(_same(left, right) for left, right in zip(one, other, strict=True))
-    if dataclasses.is_dataclass(one):
-        return _same(tuple(vars(one).values()), tuple(vars(other).values()))
-    return one == other

@@ -10,9 +10,10 @@ from data_collection import task
 from data_collection.apparatus import ObjectKind
 from data_collection.image_files import mosaic
 from data_collection.log import topics
-from data_collection.log.mcap_log import Log
+from data_collection.log.mcap_log import Log, LogError
 from data_collection.log.messages import Image, JointState
-from data_collection.log.trial import observation, truth
+from data_collection.log.trial import observation
+from data_collection.log.truth import truth
 from data_collection.simulation_settings import Simulation
 from data_collection.simulator import scene
 from data_collection.simulator.world import World
@@ -58,17 +59,25 @@ def animation(log: Log, *, width: int = 480, height: int = 360, every: int = 1) 
         width: Columns.
         height: Rows.
         every: Take only every so manieth joint state, and the last.
+
+    Raises:
+        LogError: The log is not sound, or is of a simulation with settings that this version does not know.
     """
     observation(log)
-    settings = log.metadata.get("settings")
-    simulation = Simulation.model_validate(json.loads(settings)) if settings else Simulation()
+    try:
+        settings = log.metadata.get("settings")
+        simulation = Simulation.model_validate(json.loads(settings)) if settings else Simulation()
+        placed = _placed(log)
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
+        says = f"its settings or its {topics.TRUTH_SCENE} do not fit this version, to draw it ({error!r})"
+        raise LogError(f"{log.source}: {says}") from error
     states = [(message.time, message.value) for message in log.messages if message.topic == topics.JOINT_STATES]
     poses = {message.time: message.value for message in log.messages if message.topic == topics.TRUTH_POSES}
     ahead = (_TOWARDS - _EYE) / np.linalg.norm(_TOWARDS - _EYE)
     view = scene.View(_EYE, ahead, np.array([0.0, 0.0, 1.0]), width, height, 46.0)
     frames = []
     with World(simulation, whole_robot=True) as world:
-        world.set_up(_placed(log), None)
+        world.set_up(placed, None)
         taken = states[::every] + (states[-1:] if (len(states) - 1) % every else [])
         for time, state in taken:
             if isinstance(state, JointState):

@@ -9,7 +9,7 @@ import numpy as np
 
 from data_collection.episode import execute
 from data_collection.log.mcap_log import write_log
-from data_collection.log.trial import truth
+from data_collection.log.truth import truth
 from data_collection.simulation_settings import Simulation
 from data_collection.task import Command
 from evaluation.generation import objects_of

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from data_collection.log.messages import FISHEYE
+
 Array = NDArray[np.float64]
 
+PINHOLE = "plumb_bob"
 MARK_ERROR = 3.0
 """Largest root mean square distance, in pixels, of the marks from where the fit puts them."""
 
@@ -25,11 +28,13 @@ class Camera:
         projection: float64 (3, 4); maps (x, y, z, 1) to pixels; metres in the robot frame, z above the table.
         matrix: float64 (3, 3), K, in pixels.
         distortion: float64 (n,), OpenCV's coefficients D; empty for none.
+        model: Model of distortion, see `DISTORTION_MODELS`.
     """
 
     projection: Array
     matrix: Array
     distortion: Array
+    model: str = PINHOLE
 
     @property
     def homography(self) -> Array:
@@ -63,7 +68,7 @@ def find_marks(image: NDArray[np.uint8], rows: int, columns: int) -> Array:
     return np.ascontiguousarray(grid.reshape(-1, 2))
 
 
-def fit_camera(pixels: Array, positions: Array, matrix: Array, distortion: Array) -> Camera:
+def fit_camera(pixels: Array, positions: Array, matrix: Array, distortion: Array, model: str = PINHOLE) -> Camera:
     """Estimate the camera from marks on the table.
 
     The homography is fitted to the marks alone, by least squares. The table's normal, which the homography
@@ -75,6 +80,7 @@ def fit_camera(pixels: Array, positions: Array, matrix: Array, distortion: Array
         positions: (N, 2), where they are on the table, metres in the robot frame.
         matrix: (3, 3) K of the camera.
         distortion: D of the camera, may be empty.
+        model: Its model of distortion.
 
     Raises:
         CalibrationError: Too few marks, marks on a line or off the fit, or a camera below the table.
@@ -86,7 +92,7 @@ def fit_camera(pixels: Array, positions: Array, matrix: Array, distortion: Array
     spread = np.linalg.svd(positions - positions.mean(axis=0), compute_uv=False)
     if spread[1] < 0.05 * spread[0]:
         raise CalibrationError("the marks lie on a line; expected them spread over the table")
-    seen = undistorted(pixels, matrix, distortion)
+    seen = undistorted(pixels, matrix, distortion, model)
     homography, _ = cv2.findHomography(positions, seen, 0)
     if homography is None:
         raise CalibrationError("no homography fits the marks; expected at least four, no three on a line")
@@ -100,7 +106,7 @@ def fit_camera(pixels: Array, positions: Array, matrix: Array, distortion: Array
     if normal @ axes[:, 2] >= 0:
         raise CalibrationError("the marks show the table from below; expected x ahead, y left, from above")
     projection = matrix @ np.column_stack([axes[:, 0], axes[:, 1], normal, axes[:, 2]])
-    return Camera(projection, matrix, distortion)
+    return Camera(projection, matrix, distortion, model)
 
 
 def _project(homography: Array, points: Array) -> Array:
@@ -111,7 +117,7 @@ def _project(homography: Array, points: Array) -> Array:
 
 def to_table(camera: Camera, pixels: Array) -> Array:
     """Return the points (N, 2) of the table, metres in the robot frame, that are seen at `pixels` (N, 2)."""
-    flat = undistorted(pixels, camera.matrix, camera.distortion)
+    flat = undistorted(pixels, camera.matrix, camera.distortion, camera.model)
     return _project(np.asarray(np.linalg.inv(camera.homography), dtype=np.float64), flat)
 
 
@@ -121,11 +127,12 @@ def to_pixels(camera: Camera, points: Array) -> Array:
     return np.asarray(mapped[..., :2] / mapped[..., 2:])
 
 
-def undistorted(pixels: Array, matrix: Array, distortion: Array) -> Array:
-    """Remove the lens' distortion from pixels (N, 2)."""
-    if not np.any(distortion):
+def undistorted(pixels: Array, matrix: Array, distortion: Array, model: str = PINHOLE) -> Array:
+    """Remove the lens' distortion from pixels (N, 2): where a pinhole camera of this K shows the same points."""
+    if model != FISHEYE and not np.any(distortion):
         return np.asarray(pixels, dtype=np.float64)
     import cv2
 
     points = np.asarray(pixels, dtype=np.float64).reshape(-1, 1, 2)
-    return np.asarray(cv2.undistortPoints(points, matrix, distortion, P=matrix)).reshape(-1, 2)
+    remove = cv2.fisheye.undistortPoints if model == FISHEYE else cv2.undistortPoints
+    return np.asarray(remove(points, matrix, distortion, P=matrix)).reshape(-1, 2)

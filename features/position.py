@@ -46,7 +46,7 @@ def standing_position(mask: NDArray[np.bool_], camera: Camera) -> NDArray[np.flo
 
     hull = _hull(mask)
     at_edge = np.any((hull < 0) | (hull > np.array(mask.shape[::-1]) - 1), axis=1)
-    outline = undistorted(hull, camera.matrix, camera.distortion)
+    outline = undistorted(hull, camera.matrix, camera.distortion, camera.model)
     reached = outline @ _FACING.T
     seen, cut_off = reached.max(axis=0), np.take(at_edge, reached.argmax(axis=0))
     low, high = outline.min(axis=0), outline.max(axis=0)

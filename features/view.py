@@ -32,5 +32,5 @@ def fit_view(calibration: Calibration) -> View:
     """
     marks = find_marks(calibration.image_marks, calibration.mark_rows, calibration.mark_columns)
     camera = calibration.camera
-    fitted = fit_camera(marks, calibration.mark_positions, camera.K, camera.D)
+    fitted = fit_camera(marks, calibration.mark_positions, camera.K, camera.D, camera.model)
     return View(calibration.image_empty, fitted, calibration.table_height)

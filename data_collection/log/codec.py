@@ -2,6 +2,7 @@
 
 import functools
 import io
+import warnings
 from collections.abc import Callable
 from operator import attrgetter
 from typing import Any
@@ -39,7 +40,7 @@ def encode_png(image: Image) -> bytes:
 
 
 def decode_image(data: bytes) -> Image:
-    """Return a PNG or JPEG as RGB (H, W, 3).
+    """Return a PNG or JPEG as RGB (H, W, 3), turned as its EXIF data say, as every viewer shows it.
 
     Raises:
         ValueError: The bytes are no image, or one of more than `MAX_PIXELS`.
@@ -52,14 +53,42 @@ def decode_image(data: bytes) -> Image:
     try:
         with Pillow.open(io.BytesIO(data), formats=("PNG", "JPEG")) as header:
             width, height = header.size
+            turned = _orientation(header, data) if width * height <= MAX_PIXELS else _UPRIGHT
     except (UnidentifiedImageError, Pillow.DecompressionBombError) as error:
         raise ValueError(f"no PNG or JPEG of at most {MAX_PIXELS:,} pixels") from error
     if width * height > MAX_PIXELS:
         raise ValueError(f"image of {width:,} × {height:,} pixels, at most {MAX_PIXELS:,} are read")
-    image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
+    how = cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION  # which of the formats OpenCV turns depends on its version
+    image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), how)
     if image is None or image.shape[:2] != (height, width):
         raise ValueError("the image is damaged")
-    return np.ascontiguousarray(image[:, :, ::-1])
+    return np.ascontiguousarray(_TURNS[turned](image)[:, :, ::-1])
+
+
+_ORIENTATION, _UPRIGHT = 0x0112, 1  # EXIF's tag, and its value for a picture that is not turned
+# By the number that EXIF has for it: from the picture as it is stored to the picture as it is meant.
+_TURNS: dict[int, Callable[[Image], Image]] = {
+    _UPRIGHT: lambda image: image,
+    2: lambda image: image[:, ::-1],
+    3: lambda image: image[::-1, ::-1],
+    4: lambda image: image[::-1],
+    5: lambda image: image.transpose(1, 0, 2),
+    6: lambda image: image.transpose(1, 0, 2)[:, ::-1],
+    7: lambda image: image.transpose(1, 0, 2)[::-1, ::-1],
+    8: lambda image: image.transpose(1, 0, 2)[::-1],
+}
+
+
+def _orientation(header: Any, data: bytes) -> int:
+    """Return how EXIF data say that a picture is turned, 1 where they do not."""
+    if b"Exif" not in data and b"eXIf" not in data:  # to look for them, Pillow unpacks all pixels of a PNG
+        return _UPRIGHT
+    try:
+        with warnings.catch_warnings(action="ignore"):
+            turned = header.getexif().get(_ORIENTATION, _UPRIGHT)
+    except Exception:  # damaged EXIF data surface as struct, syntax, key, … errors; the picture may be sound
+        return _UPRIGHT
+    return turned if turned in _TURNS else _UPRIGHT
 
 
 Header = Callable[..., Any]
@@ -89,12 +118,18 @@ def _camera_fields(value: CameraInfo, header: Header) -> tuple[Any, ...]:
     projection = np.hstack([value.K, np.zeros((3, 1))])
     no_region, no_binning = _new("sensor_msgs/RegionOfInterest", 0, 0, 0, 0, False), (0, 0)
     matrices = value.D, value.K.ravel(), np.eye(3).ravel(), projection.ravel()
-    return (header(value.frame), value.height, value.width, "plumb_bob", *matrices, *no_binning, no_region)
+    return (header(value.frame), value.height, value.width, value.model, *matrices, *no_binning, no_region)
 
 
 def _camera(message: Any) -> CameraInfo:
+    """Width, height and K are those of the whole sensor; the picture may be a region of it, and binned."""
     matrix, frame = _floats(message.k).reshape(3, 3), str(message.header.frame_id)
-    return CameraInfo(int(message.width), int(message.height), matrix, _floats(message.d), frame)
+    region, binning = message.roi, np.array([max(1, message.binning_x), max(1, message.binning_y)])
+    size = np.array([region.width or message.width, region.height or message.height]) // binning
+    matrix[:2, 2] -= [region.x_offset, region.y_offset]
+    matrix[:2] /= binning[:, None]
+    model = str(message.distortion_model)
+    return CameraInfo(int(size[0]), int(size[1]), matrix, _floats(message.d), frame, model)
 
 
 def _floats(values: Any) -> Floats:

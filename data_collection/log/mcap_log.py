@@ -1,7 +1,7 @@
 """Reading and writing logs: MCAP files, ROS 2 profile, every byte under a checksum."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO
@@ -14,12 +14,15 @@ from mcap.writer import Writer
 from data_collection.files import replacing
 from data_collection.limits import MAX_IMAGE_BYTES, MAX_LOG_BYTES, MAX_MESSAGE_BYTES, MAX_MESSAGES
 from data_collection.log import codec
+from data_collection.log.joint_matching import matched, merged
 from data_collection.log.mcap_records import DamageError, records
-from data_collection.log.messages import Value
-from data_collection.log.topics import BY_TOPIC, IMAGE
+from data_collection.log.messages import JointState, Value, same
+from data_collection.log.topics import BY_TOPIC, IMAGE, JOINT_STATES
 
 METADATA_NAME = "cross_situational_learning"
 _LIBRARY = "cross-situational-learning"
+_SCHEMAS = ("ros2msg", "ros2idl")
+"""How recorders note down the definitions of messages; the bytes of a message are the same."""
 
 
 class LogError(ValueError):
@@ -75,13 +78,19 @@ def write_log(path: Path, log: Log) -> None:
 def read_log(path: Path) -> Log:
     """Read a log with every checksum checked; topics that are not in `TOPICS` are passed over.
 
-    Messages come in order of time, whatever their order in the file.
+    Messages come in order of time, whatever their order in the file. Joints come in the order of `JOINT_NAMES`,
+    without others. What may come once, and comes again with the same value, as from a recorder that hears it again
+    and again, is there once.
 
     Raises:
         LogError: The file is missing, truncated, damaged, too large or no MCAP, or a topic is not of its type in
-            `TOPICS`, or comes again where it may come once.
+            `TOPICS`, or comes again with another value where it may come once.
     """
     try:
+        if path.is_dir():
+            inside = ", ".join(sorted(one.name for one in path.glob("*.mcap"))[:3])
+            hint = f"; the log is a file in it: {inside}" if inside else ""
+            raise LogError(f"{path}: is a folder{hint}")
         if not path.is_file():
             raise LogError(f"{path}: there is no such file")
         with path.open("rb") as stream:
@@ -143,7 +152,41 @@ def _read(content: bytes, source: str) -> Log:
                         raise LogError(f"{source}: {channel.topic} at {time} ns {reason}")
                     raw.append((time, channel.topic, record.data))
     raw.sort(key=lambda item: item[0])
-    return Log(metadata, tuple(_decode(source, *item) for item in raw), source)
+    return Log(metadata, tuple(_with_whole_joints(list(_decoded(source, raw)))), source)
+
+
+def _decoded(source: str, raw: Iterable[tuple[int, str, bytes]]) -> Iterator[Message]:
+    """Decode messages in order of time; of what may come once, the first."""
+    first: dict[str, tuple[bytes, Message]] = {}
+    for time, topic, data in raw:
+        if BY_TOPIC[topic].once and topic in first:
+            earlier, message = first[topic]
+            if data != earlier and not _says_the_same(message, _decode(source, time, topic, data)):
+                raise LogError(
+                    f"{source}: {topic} at {time} ns comes again with another value than at {message.time} ns, "
+                    "once is expected"
+                )
+            continue
+        message = _decode(source, time, topic, data)
+        if BY_TOPIC[topic].once:
+            first[topic] = data, message
+        yield message
+
+
+def _says_the_same(one: Message, other: Message) -> bool:
+    """Whether two messages on a topic have the same value; pictures are compared by their bytes alone."""
+    return BY_TOPIC[one.topic].value.type != IMAGE and same(one.value, other.value)
+
+
+def _with_whole_joints(messages: list[Message]) -> Iterator[Message]:
+    """Yield the messages, and for the joint states of several publishers what they say together."""
+    states = [one.value for one in messages if isinstance(one.value, JointState) and one.topic == JOINT_STATES]
+    whole = iter(merged(states))
+    for message in messages:
+        if message.topic != JOINT_STATES:
+            yield message
+        elif (state := next(whole)) is not None:
+            yield Message(JOINT_STATES, message.time, state)
 
 
 def _unfit(data: bytes, record: ChannelRecord, schema: Schema | None, counts: Counter[str]) -> str | None:
@@ -151,15 +194,15 @@ def _unfit(data: bytes, record: ChannelRecord, schema: Schema | None, counts: Co
     topic = BY_TOPIC[record.topic]
     if schema is None or schema.name != topic.value.type:
         return f"is of type {schema.name if schema else 'unknown'}, {topic.value.type} is expected"
-    if (record.message_encoding, schema.encoding) != ("cdr", "ros2msg"):
+    if record.message_encoding != "cdr" or schema.encoding not in _SCHEMAS:
+        hint = "; it is of ROS 1" if record.message_encoding == "ros1" else ""
         return (
-            f"is encoded as {record.message_encoding!r} with schema {schema.encoding!r}, cdr and ros2msg are expected"
+            f"is encoded as {record.message_encoding!r} with schema {schema.encoding!r}, "
+            f"cdr and {' or '.join(_SCHEMAS)} are expected{hint}"
         )
     limit = MAX_IMAGE_BYTES if topic.value.type == IMAGE else MAX_MESSAGE_BYTES
     if len(data) > limit:
         return f"has {len(data):,} bytes, at most {limit:,} are read"
-    if topic.once and counts[topic.name] > 1:
-        return "comes again, once is expected"
     if counts.total() > MAX_MESSAGES:
         return f"is one of more than {MAX_MESSAGES:,} messages, the most that are read"
     return None
@@ -167,7 +210,8 @@ def _unfit(data: bytes, record: ChannelRecord, schema: Schema | None, counts: Co
 
 def _decode(source: str, time: int, topic: str, data: bytes) -> Message:
     try:
-        return Message(topic, time, codec.decode(BY_TOPIC[topic].value.type, data))
+        value = codec.decode(BY_TOPIC[topic].value.type, data)
+        return Message(topic, time, matched(value) if isinstance(value, JointState) else value)
     except Exception as error:
         reason = str(error) or type(error).__name__
         raise LogError(f"{source}: {topic} at {time} ns cannot be decoded ({reason})") from error

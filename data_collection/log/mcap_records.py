@@ -1,6 +1,7 @@
 """The records of an MCAP file from front to back, with every checksum and every size checked.
 
-A reader that seeks misses most single-bit damage, and the library unpacks chunks to whatever size they claim.
+A reader that seeks misses most single-bit damage, and the library unpacks chunks to whatever size they claim. What
+the format leaves to the writer may be missing: chunks, indexes, the summary, the end of the data, checksums.
 """
 
 import io
@@ -9,12 +10,16 @@ from collections.abc import Iterator
 
 import lz4.frame
 import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, DataEnd, Footer, McapRecord, Message, Schema
 from mcap.stream_reader import StreamReader
 
 from data_collection.limits import MAX_LOG_BYTES
+from data_collection.log.file_kinds import CUT, foreign, is_cut
 
 _TAIL = 12  # bytes: checksum of the summary, closing magic
+_KNOWN = {int(opcode) for opcode in Opcode}
 
 
 class DamageError(ValueError):
@@ -22,32 +27,49 @@ class DamageError(ValueError):
 
 
 def records(content: bytes) -> Iterator[McapRecord]:
-    """Yield every record, those inside chunks too.
+    """Yield every record, those inside chunks too; records of kinds that the format may get later are passed over.
 
     Raises:
-        DamageError: The file is truncated, damaged or too large; the library raises errors of many other types.
+        DamageError: The file is another one, truncated, damaged or too large; the library raises errors of many
+            other types.
     """
+    if says := foreign(content):
+        raise DamageError(says)
     stream = io.BytesIO(content)
     left = MAX_LOG_BYTES
-    ended, footer = False, None
+    footer = None
+    begins = 0  # the summary: behind the end of the data, or, where this is not marked, at the footer
     # A damaged length must not be taken at its word: no record is larger than the file, chunks are inside one.
     reader = StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=len(content))
-    for record in reader.records:
+    found = reader.records
+    while True:
+        before = stream.tell()
+        try:
+            record = next(found, None)
+        except Exception as error:
+            if is_cut(content):
+                raise DamageError(f"{CUT} ({type(error).__name__} at byte {before:,} of {len(content):,})") from error
+            raise
         match record:
+            case None:
+                break
             case Chunk():
                 data = _unpacked(record, left)
                 left -= len(data)
                 yield from _inner_records(data)
                 continue
             case DataEnd():
-                ended = True
+                begins = stream.tell()
             case Footer():
                 footer = record
+                begins = record.summary_start or begins or before
         yield record
-    if not ended or footer is None or stream.read(1):
-        raise DamageError("the file is truncated, or something follows its end")
+    if footer is None:
+        raise DamageError(CUT)
+    if extra := len(stream.read()):
+        raise DamageError(f"{extra:,} bytes follow the end of the MCAP file; cut them off, or record again")
     # The reader leaves out this one: from the start of the summary to the checksum itself.
-    if footer.summary_crc and footer.summary_crc != zlib.crc32(content[footer.summary_start : -_TAIL]):
+    if footer.summary_crc and footer.summary_crc != zlib.crc32(content[begins:-_TAIL]):
         raise DamageError("damaged (checksum of the summary)")
 
 
@@ -58,7 +80,7 @@ def _unpacked(chunk: Chunk, limit: int) -> bytes:
         raise DamageError(f"the chunks unpack to more than {MAX_LOG_BYTES:,} bytes, the most that is read")
     data: bytes
     match chunk.compression:
-        case "":
+        case "" | "none":
             data = chunk.data
         case "zstd":
             with zstandard.ZstdDecompressor().stream_reader(chunk.data) as unpacking:
@@ -75,10 +97,19 @@ def _unpacked(chunk: Chunk, limit: int) -> bytes:
 
 
 def _inner_records(data: bytes) -> Iterator[McapRecord]:
-    stream = io.BytesIO(data)
-    found = StreamReader(stream, skip_magic=True, emit_chunks=True, record_size_limit=len(data)).records
-    while stream.tell() < len(data):
-        record = next(found)  # at the end it would raise: a chunk has no footer
-        if not isinstance(record, Schema | Channel | Message):
-            raise DamageError(f"a chunk holds a {type(record).__name__}; schema, channel or message is expected")
-        yield record
+    stream = ReadDataStream(io.BytesIO(data))
+    while stream.count < len(data):
+        opcode, length = stream.read1(), stream.read8()
+        if length > len(data) - stream.count:
+            raise DamageError("damaged: a record of a chunk is longer than the chunk")
+        one = ReadDataStream(io.BytesIO(stream.read(length)))
+        match opcode:
+            case Opcode.SCHEMA:
+                yield Schema.read(one)
+            case Opcode.CHANNEL:
+                yield Channel.read(one)
+            case Opcode.MESSAGE:
+                yield Message.read(one, length)
+            case _ if opcode in _KNOWN:
+                name = Opcode(opcode).name.title().replace("_", "")
+                raise DamageError(f"a chunk holds a {name}; schema, channel or message is expected")

@@ -1,31 +1,42 @@
 """Checks of a log against the table of topics; all problems at once."""
 
 import json
-import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from data_collection.joints import JOINT_NAMES
 from data_collection.limits import MAX_PIXELS, MAX_SENTENCE, MAX_TRIAL, WORD_RULE, is_word
 from data_collection.log import topics
-from data_collection.log.mcap_log import Log, Message
-from data_collection.log.messages import CameraInfo, Floats, JointState, Transform
+from data_collection.log.mcap_log import Log, LogError, Message
+from data_collection.log.messages import DISTORTION_MODELS, CameraInfo, Floats, JointState
+from data_collection.log.numbering import number_of
 from data_collection.log.topics import BY_TOPIC, TOPICS, LogKind, Topic
+from data_collection.log.truth import truth
 
+MOST_TOLD = 10
+"""So many problems of a log are told; the rest is counted."""
 _PATTERN = topics.CALIBRATION_PATTERN
-_DISTORTION_SIZES = (0, 4, 5, 8, 12, 14)
-"""What OpenCV takes; the documented number is 5."""
+_OF_AN_ACTION = {topic.name for topic in TOPICS if topic.required == ("trial",)}
+_ONLY_PLACES = (topics.HAND_POSE, topics.CALIBRATION_POSITIONS)
+"""Topics of poses of which nothing uses the quaternion."""
 
 
 def kind_of(log: Log) -> LogKind:
-    """Return what kind of log it is: its topics tell."""
+    """Return what kind of log it is: its topics tell, and where an action may be missing or left out, the set."""
     present = {message.topic for message in log.messages}
     if any(name.startswith("/calibration/") for name in present):
         return "calibration"
-    if log.metadata.get("set") == "generation" and topics.IMAGE_AFTER not in present:
-        return "instruction"
-    return "trial"
+    set_name = log.metadata.get("set")
+    is_told = set_name == "generation" and topics.IMAGE_AFTER not in present
+    return "instruction" if is_told or (set_name is None and not present & _OF_AN_ACTION) else "trial"
+
+
+def told(found: Sequence[str]) -> str:
+    """Return problems of a log as text, a line for each; where there are many, the first ones and a count."""
+    more = len(found) - MOST_TOLD
+    counted = [f"and {more} more problem{'s' if more > 1 else ''} of this file"] if more > 0 else []
+    return "\n".join([*found[:MOST_TOLD], *counted])
 
 
 def problems(log: Log, kind: LogKind | None = None) -> list[str]:
@@ -51,12 +62,41 @@ def problems(log: Log, kind: LogKind | None = None) -> list[str]:
         reason = _reason(message, BY_TOPIC[message.topic])
         if reason:
             found.append(f"{log.source}: {message.topic} at {message.time} ns: {reason}")
+    found += [f"{log.source}: {reason}" for reason in _size_reasons(log)]
     if kind == "calibration":
         return found + [f"{log.source}: {reason}" for reason in _grid_reasons(log)]
-    number = log.metadata.get("trial", "")
-    if not re.fullmatch("[0-9]{1,7}", number) or not 1 <= int(number) <= MAX_TRIAL:
-        found.append(f"{log.source}: metadata: trial is {number[:20]!r}, a number from 1 to {MAX_TRIAL:,} is needed")
+    if number_of(log.source, log.metadata) is None:
+        said = f"{log.metadata['trial'][:20]!r}" if "trial" in log.metadata else "missing"
+        ways = "or a file that is called trial_0001.mcap" if "trial" not in log.metadata else ""
+        found.append(
+            f"{log.source}: metadata: trial is {said}, a number from 1 to {MAX_TRIAL:,} is needed {ways}".strip()
+        )
+    if not any(line.startswith(f"{log.source}: {topics.TRUTH_PREFIX}") for line in found):
+        found += _truth_problems(log)
     return found
+
+
+def _truth_problems(log: Log) -> Iterator[str]:
+    try:
+        truth(log)
+    except LogError as error:
+        yield str(error)
+
+
+def _size_reasons(log: Log) -> Iterator[str]:
+    """Yield what does not fit between the pictures of a log and what it says of the camera, each sound by itself."""
+    camera = next((one.value for one in log.messages if isinstance(one.value, CameraInfo)), None)
+    if camera is None or _camera_reason(camera):
+        return
+    for message in log.messages:
+        if BY_TOPIC[message.topic].value.type == topics.IMAGE:
+            height, width = np.asarray(message.value).shape[:2]
+            if (width, height) != (camera.width, camera.height):
+                yield (
+                    f"{message.topic} has {width} × {height} pixels, but {topics.CAMERA} is for pictures of "
+                    f"{camera.width} × {camera.height} (size, region and binning); log the size, K and "
+                    "distortion of the pictures as they are (K in proportion where they were made smaller)"
+                )
 
 
 def _grid_reasons(log: Log) -> Iterator[str]:
@@ -82,8 +122,7 @@ def _reason(message: Message, topic: Topic) -> str | None:
     if isinstance(value, str):
         return _text_reason(value, topic.name)
     if isinstance(value, tuple):
-        bad = [item.child for item in value if isinstance(item, Transform) and not np.isfinite(item.pose).all()]
-        return f"transforms of {bad} are not finite" if bad else None
+        return None  # the transforms are there to be looked at
     numbers = np.asarray(value)
     if topic.value.type == topics.IMAGE:
         return (
@@ -93,6 +132,8 @@ def _reason(message: Message, topic: Topic) -> str | None:
         )
     if topic.value.length is not None and numbers.shape[-1:] != (topic.value.length,):
         return f"{numbers.size} values, {topic.value.length} are expected ({topic.value.unit})"
+    if topic.name in _ONLY_PLACES:
+        numbers = numbers[..., :3]
     if not np.isfinite(numbers).all():
         return "not finite"
     return _range_reason(numbers, topic)
@@ -109,24 +150,31 @@ def _range_reason(numbers: Floats, topic: Topic) -> str | None:
 def _camera_reason(value: CameraInfo) -> str | None:
     if not 1 <= value.width * value.height <= MAX_PIXELS:
         return f"size of {value.width:,} × {value.height:,} must be positive, and at most {MAX_PIXELS:,} pixels"
+    if not value.K.any():
+        return "K is all zeros, by which drivers say that the camera is not calibrated; calibrate it"
     if not np.isfinite(value.K).all() or min(value.K[0, 0], value.K[1, 1]) <= 0:
         return "focal lengths must be positive, and all of K finite"
-    if value.D.size not in _DISTORTION_SIZES or not np.isfinite(value.D).all():
-        return f"{value.D.size} coefficients of distortion; expected are finite ones, {_DISTORTION_SIZES} of them"
+    model, sizes = f"distortion model {value.model[:40]!r}", DISTORTION_MODELS.get(value.model)
+    if sizes is None or (not value.model and value.D.any()):
+        return f"{model} is not supported; {', '.join(filter(None, DISTORTION_MODELS))} are"
+    if value.D.size not in sizes or not np.isfinite(value.D).all():
+        allowed = " or ".join(map(str, sizes))
+        return f"{value.D.size} coefficients of {model}; expected are finite ones, {allowed} of them"
     return None
 
 
 def _joint_reason(value: JointState) -> str | None:
+    if missing := [name for name in JOINT_NAMES if name not in value.names]:
+        return f"joints are missing: {', '.join(missing)} (of the {len(JOINT_NAMES)} documented ones)"
+    if len(value.position) != len(value.names):
+        return f"{len(value.position)} positions for {len(value.names)} joints"
     if value.names != JOINT_NAMES:
-        missing = sorted(set(JOINT_NAMES) - set(value.names))
-        surplus = sorted(set(value.names) - set(JOINT_NAMES))
-        detail = f"missing {missing}, unknown {surplus}" if missing or surplus else "in another order"
-        return f"joints are not the {len(JOINT_NAMES)} documented ones ({detail})"
-    if value.position.shape != (len(JOINT_NAMES),) or value.velocity.shape not in ((0,), value.position.shape):
-        return f"{value.position.size} positions and {value.velocity.size} velocities for {len(JOINT_NAMES)} joints"
-    if not (np.isfinite(value.position).all() and np.isfinite(value.velocity).all()):
-        return "a joint's position or velocity is not finite"
-    return None
+        twice = [name for name in JOINT_NAMES if value.names.count(name) > 1]
+        return (
+            f"joints are there twice: {', '.join(twice)}" if twice else "joints are in another order than documented"
+        )
+    bad = [name for name, is_good in zip(JOINT_NAMES, np.isfinite(value.position), strict=True) if not is_good]
+    return f"positions of joints are not finite: {', '.join(bad)}" if bad else None
 
 
 def _text_reason(value: str, topic: str) -> str | None:

@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 
 from data_collection.log.mcap_log import Log, read_log
 from data_collection.log.messages import Image
-from data_collection.log.trial import observation, truth
+from data_collection.log.trial import observation
+from data_collection.log.truth import truth
 from data_collection.show import animation
 from evaluation.figures.drawing import DPI, PAGE_WIDTH, Animation, coarse, page
 from evaluation.figures.source import Source

@@ -18,7 +18,8 @@ from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError, Message, read_log
 from data_collection.log.messages import CameraInfo, JointState, Transform, Value
 from data_collection.log.topics import TOPICS, LogKind, Topic
-from data_collection.log.trial import calibration, observation, truth
+from data_collection.log.trial import calibration, observation
+from data_collection.log.truth import truth
 from data_collection.log.validation import kind_of
 from tests.data_collection.raw_mcap import (
     Raw,
@@ -55,6 +56,19 @@ def sound(topic: Topic) -> Value:
         topics.TEXT: lambda: TEXTS[topic.name],
     }
     return made[topic.value.type]()
+
+
+def another(topic: Topic) -> Value:
+    """A sound value that differs from `sound`."""
+    value = sound(topic)
+    if isinstance(value, str):
+        return f"{value} "
+    if isinstance(value, CameraInfo):
+        return dataclasses.replace(value, K=2 * value.K)
+    if isinstance(value, JointState):
+        return dataclasses.replace(value, position=value.position + 0.1)
+    assert isinstance(value, float | np.ndarray)
+    return 255 - value if topic.value.type == topics.IMAGE else value / 2
 
 
 @functools.cache
@@ -111,7 +125,7 @@ def wrong_envelopes(topic: Topic) -> Iterator[Broken]:
     if topic.value.type != topics.IMAGE:
         yield "too many bytes", changed(data=bytes(MAX_MESSAGE_BYTES + 1))
     if topic.once:
-        yield "twice", lambda raw: [raw, raw]
+        yield "twice", lambda raw: [raw, Raw.of(Message(raw.topic, raw.time + 1, another(topic)))]
 
 
 def wrong_values(topic: Topic) -> Iterator[tuple[str, Value]]:
@@ -136,15 +150,20 @@ def wrong_values(topic: Topic) -> Iterator[tuple[str, Value]]:
                 yield f"D[{index}] {bad}", dataclasses.replace(value, D=put(value.D, index, bad))
         for size in (1, 6, 1000):
             yield f"D of {size}", dataclasses.replace(value, D=np.zeros(size))
+        for size in (0, 5):
+            yield f"equidistant D of {size}", dataclasses.replace(value, D=np.zeros(size), model="equidistant")
+        for model in ("fov", "Plumb_Bob", "x" * 1000):
+            yield f"model {model:.9}", dataclasses.replace(value, model=model)
+        yield "no model, but D", dataclasses.replace(value, D=np.full(5, 0.1), model="")
+        yield "K of zeros", dataclasses.replace(value, K=np.zeros((3, 3)))
+        for change in ({"width": 80, "height": 64}, {"width": 32, "height": 40}):
+            yield f"another size than the picture {change}", dataclasses.replace(value, **change)
     elif isinstance(value, JointState):
         yield from wrong_joints(value)
-    elif isinstance(value, tuple):
-        for index in range(7):
-            for bad in (NAN, INF, -INF):
-                yield f"pose[{index}] {bad}", (Transform("root", "hand", put(POSES[0], index, bad)),)
-    else:
+    elif not isinstance(value, tuple):
         numbers = np.asarray(value, dtype=np.float64)
-        for at in (at for at in np.ndindex(numbers.shape) if topic.value.type != topics.POSES or at[0] == 1):
+        used = (at for at in np.ndindex(numbers.shape) if topic.name not in ONLY_PLACES or at[-1] < 3)
+        for at in (at for at in used if topic.value.type != topics.POSES or at[0] == 1):
             for bad in (NAN, INF, -INF, (topic.value.lowest or 0) - 1e-6, (topic.value.highest or 0) + 1e-6):
                 yield f"{list(at)} {bad}", put(numbers, at, bad)
         if topic.value.type == topics.NUMBERS:
@@ -152,20 +171,41 @@ def wrong_values(topic: Topic) -> Iterator[tuple[str, Value]]:
                 yield f"{size} numbers", np.zeros(size)
 
 
+ONLY_PLACES = (topics.HAND_POSE, topics.CALIBRATION_POSITIONS)
+
+
+def harmless_values(topic: Topic) -> Iterator[tuple[str, Value]]:
+    """Values as robots publish them, which say what is needed: the rest is passed over."""
+    value = sound(topic)
+    if isinstance(value, tuple):
+        for bad in (NAN, INF, -INF):
+            yield f"pose {bad}", (Transform("root", "hand", np.full(7, bad)),)
+    elif topic.name in ONLY_PLACES:
+        for bad in (NAN, INF, 0.0, 11.0):
+            yield f"turn {bad}", put(value, (..., slice(3, None)), bad)
+    elif isinstance(value, JointState):
+        for bad in (NAN, -INF):
+            yield f"moves {bad}", dataclasses.replace(value, velocity=put(value.velocity, 3, bad))
+        for size in (0, 1, 24, 26, 10_000):
+            yield f"{size} velocities", dataclasses.replace(value, velocity=np.zeros(size))
+        yield "another order", dataclasses.replace(value, names=JOINT_NAMES[::-1])
+        more = (*JOINT_NAMES[:9], "left_wheel", *JOINT_NAMES[9:])
+        yield "a joint more", JointState(more, put(np.zeros(26), 9, NAN), np.zeros(26))
+
+
 def wrong_joints(value: JointState) -> Iterator[tuple[str, Value]]:
     for j, name in enumerate(JOINT_NAMES):
         yield f"{name} unknown", dataclasses.replace(value, names=(*JOINT_NAMES[:j], "tail", *JOINT_NAMES[j + 1 :]))
         for bad in (NAN, INF, 90.0):
             yield f"{name} at {bad}", dataclasses.replace(value, position=put(value.position, j, bad))
-        yield f"{name} moves nan", dataclasses.replace(value, velocity=put(value.velocity, j, NAN))
     yield "a name missing", dataclasses.replace(value, names=JOINT_NAMES[:-1])
     yield "a name twice", dataclasses.replace(value, names=(*JOINT_NAMES, JOINT_NAMES[0]))
-    yield "a velocity of -inf", dataclasses.replace(value, velocity=put(value.velocity, 3, -INF))
     for size in (0, 24, 26, 10_000):
         yield f"{size} positions", dataclasses.replace(value, position=np.zeros(size))
-    for size in (1, 24, 26, 10_000):
-        yield f"{size} velocities", dataclasses.replace(value, velocity=np.zeros(size))
-    yield "another order", dataclasses.replace(value, names=JOINT_NAMES[::-1])
+    yield (
+        "a name twice, as often as there are positions",
+        JointState((*JOINT_NAMES, JOINT_NAMES[0]), np.zeros(26), np.zeros(26)),
+    )
     yield "no names", dataclasses.replace(value, names=())
 
 

@@ -1,12 +1,17 @@
+import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
+from data_collection import log_differences
 from data_collection.__main__ import main
 from data_collection.image_files import save_gif
-from data_collection.log.mcap_log import Log, write_log
+from data_collection.log import topics
+from data_collection.log.mcap_log import Log, LogError, Message, write_log
 from data_collection.show import animation, brief
 
 
@@ -68,3 +73,50 @@ def test_export(log_path: Path, tmp_path: Path) -> None:
     assert main(["export-lerobot", str(log_path.parent), str(tmp_path / "set")]) == 0
     assert (tmp_path / "set/meta/info.json").exists()
     assert main(["export-lerobot", str(log_path.parent), str(tmp_path / "set")]) == 1
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        {"attended": 7},
+        {"objects": [{"object": "cup", "color": "red", "place": "left", "position": [float("nan"), 0.1]}]},
+        {"objects": []},
+    ],
+)
+def test_check_refuses_the_truth_that_a_study_refuses(
+    trials: list[Log], tmp_path: Path, scene: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    def told(message: Message) -> Message:
+        if message.topic != topics.TRUTH_SCENE:
+            return message
+        return replace(message, value=json.dumps(json.loads(str(message.value)) | scene))
+
+    write_log(tmp_path / "trial_0001.mcap", replace(trials[0], messages=tuple(map(told, trials[0].messages))))
+    assert main(["check", str(tmp_path / "trial_0001.mcap")]) == 1
+    assert f"{topics.TRUTH_SCENE} or {topics.TRUTH_OUTCOME} is not as documented" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["regenerate", "show"])
+@pytest.mark.parametrize(
+    "odd", [{"places": {"left": [0.3, None]}}, {"places": {"left": [9, 9]}}, {"places": 3}, {"objects": [{}]}]
+)
+def test_odd_settings_of_a_log_are_no_traceback(
+    trials: list[Log], tmp_path: Path, command: str, odd: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = json.dumps(json.loads(trials[0].metadata["settings"]) | odd)
+    path = tmp_path / "trial_0001.mcap"
+    write_log(path, replace(trials[0], metadata=trials[0].metadata | {"settings": settings}))
+    out = ["--out", str(tmp_path)] if command == "show" else []
+    assert main([command, str(path), *out]) == 1
+    assert f"{path}: its " in capsys.readouterr().err
+
+
+def test_what_breaks_the_simulator_is_told_as_the_fault_of_the_log(
+    trials: list[Log], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*_: Any, **__: Any) -> None:
+        raise IndexError("no place is left")
+
+    monkeypatch.setattr(log_differences, "collect", stop)
+    with pytest.raises(LogError, match=r"cannot be simulated again from its metadata \(IndexError: no place is left"):
+        log_differences.regenerate(trials[0])

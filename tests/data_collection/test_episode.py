@@ -14,7 +14,8 @@ from data_collection.joints import JOINT_NAMES
 from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError, read_log, write_log
 from data_collection.log.messages import JointState
-from data_collection.log.trial import observation, truth
+from data_collection.log.trial import observation
+from data_collection.log.truth import truth
 from data_collection.log_differences import differences, regenerate
 from data_collection.simulation_settings import Simulation
 from data_collection.simulator.world import World

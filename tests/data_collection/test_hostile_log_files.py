@@ -130,7 +130,16 @@ FRAMES: dict[str, tuple[bytes, str]] = {
               message_record(1, TIME, b"") * 1_000_000),
         f"{topics.JOINT_STATES} at {TIME} ns is one of more than",
     ),
-    "100 pictures": (log_file([messages("trial")[0]] * 100, metadata("trial")), "comes again, once is expected"),
+    "100 pictures": (
+        log_file(
+            [
+                dataclasses.replace(messages("trial")[0], data=messages("trial")[0].data + bytes(i % 3))
+                for i in range(100)
+            ],
+            metadata("trial"),
+        ),
+        "comes again with another value",
+    ),
     "an image of 10^10 pixels": (with_image(IMAGES["png of 100,000 × 100,000"]), "no PNG or JPEG of at most"),
     "more than the largest file": (bytes(MAX_LOG_BYTES + 1), "larger than"),
 }  # fmt: skip

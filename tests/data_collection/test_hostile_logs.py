@@ -10,11 +10,23 @@ from pathlib import Path
 
 import pytest
 
+from data_collection.joints import JOINT_NAMES
 from data_collection.log import topics
+from data_collection.log.mcap_log import Message
+from data_collection.log.messages import JointState, Value
 from data_collection.log.topics import TOPICS, LogKind, Topic
 from data_collection.log.validation import kind_of, problems
 from data_collection.log_differences import differences
-from tests.data_collection.broken_logs import CASES, kind_with, messages, metadata, refusal, use
+from tests.data_collection.broken_logs import (
+    CASES,
+    harmless_values,
+    kind_with,
+    messages,
+    metadata,
+    refusal,
+    sound,
+    use,
+)
 from tests.data_collection.raw_mcap import (
     Raw,
     log_file,
@@ -44,8 +56,40 @@ def test_a_bad_message_is_refused(shared_folder: Path, topic: Topic, change: Cal
         and "as documented" not in says
         and "attended is" not in says
         and "positions, but" not in says
+        and "is for pictures of" not in says
     ):
         assert " ns" in says
+
+
+HARMLESS = [(topic, label, value) for topic in TOPICS for label, value in harmless_values(topic)]
+
+
+@pytest.mark.parametrize(("topic", "label", "value"), HARMLESS, ids=[f"{one[0].name}-{one[1]}" for one in HARMLESS])
+def test_what_nothing_uses_may_be_anything(shared_folder: Path, topic: Topic, label: str, value: Value) -> None:
+    kind = kind_with(topic)
+    changed = [
+        Raw.of(Message(raw.topic, raw.time, value)) if raw.topic == topic.name else raw for raw in messages(kind)
+    ]
+    (shared_folder / "a.mcap").write_bytes(log_file(changed, metadata(kind)))
+    log = use(shared_folder / "a.mcap")
+    assert problems(log) == []
+    if isinstance(value, JointState):
+        read = next(message.value for message in log.messages if message.topic == topic.name)
+        assert isinstance(read, JointState)
+        assert read.names == JOINT_NAMES
+        assert not read.position.any()
+
+
+@pytest.mark.parametrize("topic", [topic for topic in TOPICS if topic.once], ids=str)
+def test_the_same_again_is_there_once(shared_folder: Path, topic: Topic) -> None:
+    """As a recorder hears it that runs beside a publisher who repeats himself."""
+    kind = kind_with(topic)
+    again = next(raw for raw in messages(kind) if raw.topic == topic.name)
+    if topic.value.type != topics.IMAGE:  # of pictures the bytes are compared, and these hold the time
+        again = Raw.of(Message(topic.name, again.time + 10**9, sound(topic)))
+    (shared_folder / "a.mcap").write_bytes(log_file([*messages(kind), again], metadata(kind)))
+    log = use(shared_folder / "a.mcap")
+    assert [message.topic for message in log.messages].count(topic.name) == 1
 
 
 @pytest.mark.bad_input

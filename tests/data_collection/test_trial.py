@@ -8,11 +8,11 @@ import pytest
 from data_collection.joints import JOINT_NAMES
 from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError, Message
-from data_collection.log.messages import CameraInfo, JointState, Value
+from data_collection.log.messages import CameraInfo, JointState, Value, same
 from data_collection.log.topics import TOPICS, TRUTH_PREFIX, LogKind
-from data_collection.log.trial import calibration, observation, truth
+from data_collection.log.trial import calibration, observation
+from data_collection.log.truth import truth
 from data_collection.log.validation import problems
-from data_collection.log_differences import _same
 
 
 def _without(log: Log, prefix: str) -> Log:
@@ -54,7 +54,7 @@ def test_observation_needs_no_truth(trials: list[Log], instruction: Log) -> None
     for log in (*trials, instruction):
         bare = _without(log, TRUTH_PREFIX)
         assert truth(bare) is None
-        assert _same(observation(bare), observation(log))
+        assert same(observation(bare), observation(log))
 
 
 def test_half_the_truth_is_an_error(trials: list[Log]) -> None:
@@ -123,12 +123,12 @@ BAD: list[tuple[str, Callable[[Value], Value], str]] = [
     (topics.GAZE_TARGET, lambda _: np.full(3, np.nan), "not finite"),
     (topics.JOINT_STATES, _joints(names=JOINT_NAMES[:-1]), "torso_yaw"),
     (topics.JOINT_STATES, _joints(names=JOINT_NAMES[::-1]), "another order"),
-    (topics.JOINT_STATES, _joints(names=(*JOINT_NAMES[:-1], "tail")), "tail"),
+    (topics.JOINT_STATES, _joints(names=(*JOINT_NAMES[:-1], "tail")), "missing: torso_yaw"),
     (topics.JOINT_STATES, _joints(position=np.zeros(24)), "24 positions"),
     (topics.JOINT_STATES, _joints(position=np.full(25, np.nan)), "not finite"),
     (topics.IMAGE_BEFORE, lambda _: np.zeros((8, 8, 3), np.uint8), "too small"),
     (topics.CAMERA, lambda _: CameraInfo(0, 240, np.eye(3), np.zeros(5), "eye"), "positive"),
-    (topics.CAMERA, lambda _: CameraInfo(320, 240, np.zeros((3, 3)), np.zeros(5), "eye"), "positive"),
+    (topics.CAMERA, lambda _: CameraInfo(320, 240, np.zeros((3, 3)), np.zeros(5), "eye"), "not calibrated"),
     (topics.TRUTH_SCENE, lambda _: "{", "no JSON"),
 ]
 

@@ -126,7 +126,7 @@ def test_set_up_without_python(tmp_path: Path, in_folder: Callable[..., str]) ->
 
 def test_a_damaged_log(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = tmp_path / "trial_0001.mcap"
-    log.write_bytes(b"\x89MCAP0\r\n" + bytes(1000))
+    log.write_bytes(b"\x89MCAP0\r\n" + bytes(1000) + b"\x89MCAP0\r\n")
     assert data_collection(["check", str(log)]) == 1
     captured = capsys.readouterr()
     show(SHOWN["Damaged log"], captured.err + captured.out)

@@ -15,7 +15,7 @@ from sklearn.model_selection import LeaveOneGroupOut, cross_val_predict
 from sklearn.neighbors import KNeighborsClassifier, NearestCentroid
 
 from data_collection.log.mcap_log import read_log
-from data_collection.log.trial import Truth, truth
+from data_collection.log.truth import Truth, truth
 from features.extraction_settings import FeatureSettings
 from features.percept_data import Percepts
 from features.percepts import perceive

@@ -154,6 +154,19 @@ def test_lens_distortion_is_undone(scene: Any) -> None:
     np.testing.assert_allclose(to_table(camera, bent), scene.marks, atol=1e-4)
 
 
+@pytest.mark.parametrize("distortion", [(0.1, -0.02, 0.003, 0.0), (0.0, 0.0, 0.0, 0.0)])
+def test_a_fisheye_lens_is_undone(scene: Any, distortion: tuple[float, ...]) -> None:
+    """Also where all coefficients are 0: a ray's distance from the centre still grows with its angle."""
+    D = np.array(distortion)
+    flat = np.column_stack([scene.on_table(scene.marks), np.ones(len(scene.marks))])
+    rays = (flat @ np.linalg.inv(scene.matrix).T)[:, None]
+    bent = cv2.fisheye.projectPoints(rays, np.zeros(3), np.zeros(3), scene.matrix, D)[0].reshape(-1, 2)
+    camera = fit_camera(bent, scene.marks, scene.matrix, D, "equidistant")
+    np.testing.assert_allclose(to_table(camera, bent), scene.marks, atol=1e-5)
+    plain = fit_camera(bent, scene.marks, scene.matrix, D)
+    assert np.abs(to_table(plain, bent) - scene.marks).max() > 1e-3
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
