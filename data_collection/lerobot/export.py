@@ -15,12 +15,15 @@ from data_collection.lerobot.tables import episode_row, frames_table, write_epis
 from data_collection.log.mcap_log import LogError
 
 
-def export(logs: Sequence[Path], folder: Path) -> None:
+def export(logs: Sequence[Path], folder: Path) -> list[str]:
     """Write the trials of `logs` as a LeRobot dataset; the folder appears only when it is complete.
 
     Args:
         logs: Logs of trials; calibration logs and instructions without an action are passed over.
         folder: New folder.
+
+    Returns:
+        What of the logs is left out, or not as the dataset says.
 
     Raises:
         LogError: A log is damaged or invalid, or none holds a trial, or they differ in size of images
@@ -32,19 +35,21 @@ def export(logs: Sequence[Path], folder: Path) -> None:
     folder.parent.mkdir(parents=True, exist_ok=True)
     part = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=".part", dir=folder.parent))
     try:
-        _write(part, logs)
+        notes = _write(part, logs)
         part.chmod(0o755)
         part.rename(folder)
+        return notes
     except BaseException:
         shutil.rmtree(part, ignore_errors=True)
         raise
 
 
-def _write(folder: Path, logs: Sequence[Path]) -> None:
+def _write(folder: Path, logs: Sequence[Path]) -> list[str]:
     import pyarrow.parquet as parquet
 
     tasks: dict[str, int] = {}
     rows: list[dict[str, Any]] = []
+    notes: list[str] = []
     statistics = Statistics()
     start, size, rate = 0, None, 0.0
     path = folder / "data/chunk-000/file-000.parquet"
@@ -65,9 +70,10 @@ def _write(folder: Path, logs: Sequence[Path]) -> None:
             table = frames_table(episode, len(rows), start, task, rate)
             writer = writer or stack.enter_context(parquet.ParquetWriter(path, table.schema, compression="zstd"))
             writer.write_table(table)
-            statistics.add(episode, table)
+            found = statistics.add(episode, table)
             count = table.num_rows
-            rows.append(episode_row(len(rows), episode.task, start, count))
+            rows.append(episode_row(len(rows), episode.task, start, count, found))
+            notes += episode.notes
             start += count
     if size is None:
         raise LogError("none of the logs holds a trial")
@@ -90,3 +96,4 @@ def _write(folder: Path, logs: Sequence[Path]) -> None:
     }
     (folder / "meta/info.json").write_text(json.dumps(info, indent=2))
     (folder / "meta/stats.json").write_text(json.dumps(statistics.result(), indent=2))
+    return notes

@@ -8,6 +8,7 @@ import numpy as np
 
 from data_collection.lerobot.episodes import Episode
 from data_collection.lerobot.features import IMAGE_KEY, VECTORS, huggingface_features
+from data_collection.lerobot.statistics import Found
 from data_collection.log import codec
 
 
@@ -41,9 +42,10 @@ def frames_table(episode: Episode, number: int, start: int, task: int, rate: flo
     return table.replace_schema_metadata({"huggingface": json.dumps({"info": {"features": huggingface_features()}})})
 
 
-def episode_row(number: int, task: str, start: int, count: int) -> dict[str, Any]:
-    """Return what the table of episodes says of one: its number, sentence, first frame and number of frames."""
-    return {
+def episode_row(number: int, task: str, start: int, count: int, statistics: Found) -> dict[str, Any]:
+    """Return what the table of episodes says of one: its number, sentence, first frame, length and statistics."""
+    told = {f"stats/{key}/{name}": value for key, own in statistics.items() for name, value in own.items()}
+    return told | {
         "episode_index": number,
         "tasks": [task],
         "length": count,
