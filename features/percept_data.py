@@ -116,10 +116,12 @@ def join(parts: Iterable[Percepts]) -> Percepts:
     """Join the trials of several percepts, in order of their numbers.
 
     Raises:
-        ValueError: A trial occurs twice, the parts interleave, or their joints or tables differ.
+        ValueError: There are none, a trial occurs twice, the parts interleave, or their joints or tables differ.
     """
-    parts = sorted(parts, key=lambda part: int(part.trial[0]))
-    trials = np.concatenate([part.trial for part in parts])
+    parts = sorted(parts, key=lambda part: int(_numbers(part)[0]))
+    if not parts:
+        raise ValueError("no trials to join")
+    trials = np.concatenate([_numbers(part) for part in parts])
     numbers, counts = np.unique(trials, return_counts=True)
     if np.any(counts > 1):
         raise ValueError(f"trials {numbers[counts > 1].tolist()} occur more than once")
@@ -128,13 +130,18 @@ def join(parts: Iterable[Percepts]) -> Percepts:
     for name in SHARED:
         for part in parts:
             if not np.array_equal(getattr(part, name), getattr(parts[0], name)):
-                raise ValueError(f"trial {part.trial[0]}: {name} differ from those of trial {trials[0]}")
+                raise ValueError(f"trial {_numbers(part)[0]}: {name} differ from those of trial {trials[0]}")
     values: dict[str, Any] = {name: getattr(parts[0], name) for name in SHARED}
     for name in (*BY_TRIAL, *BY_OBJECT, "pixels", "dropped", "dropped_trial"):
         values[name] = _chain(name, parts)
     values["trial_index"] = _shifted([part.trial_index for part in parts], [len(part.trial) for part in parts])
     values["pixel_index"] = _shifted([part.pixel_index for part in parts], [len(part.box) for part in parts])
     return Percepts(**values)
+
+
+def _numbers(part: Percepts) -> NDArray[np.int64]:
+    """The numbers of all trials, ascending: of those that are left and of those that were dropped."""
+    return np.sort(np.concatenate([part.trial, part.dropped_trial]))
 
 
 def _chain(name: str, parts: Sequence[Percepts]) -> Any:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from data_collection.log.mcap_log import Log
-from data_collection.log.trial import Observation, Truth, calibration, observation, truth
-from features.detection import Found, crop, detect, without_rim
+from data_collection.joints import JOINT_NAMES, TACTILE_NAMES
+from data_collection.log.mcap_log import Log, LogError
+from data_collection.log.numbering import order_problems
+from data_collection.log.trial import Observation, calibration, observation
+from data_collection.log.truth import Truth, truth
+from features.detection import CROP_SIZE, Found, crop, detect, without_rim
 from features.extraction_settings import Detection, FeatureSettings
 from features.object_feature import FC6_SIZE, fc6
 from features.percept_data import Percepts, join
@@ -24,6 +28,27 @@ log = logging.getLogger(__name__)
 
 MATCH_DISTANCE = 0.05
 """A detection farther than this from every true object, metres, has no truth."""
+
+
+# What the trials of a block hold of which none is left.
+_NO_TRIAL: dict[str, Any] = {
+    "trial": np.zeros(0, dtype=np.int64),
+    "acted": np.zeros(0, dtype=np.bool_),
+    "attended_object": np.zeros(0, dtype=np.int64),
+    "words": (),
+    "hand": np.zeros((0, 3)),
+    "finger_rate": np.zeros(0),
+    "joints": np.zeros((0, len(JOINT_NAMES))),
+    "touch": np.zeros((0, len(TACTILE_NAMES))),
+    "trial_index": np.zeros(0, dtype=np.int64),
+    "position": np.zeros((0, 2)),
+    "box": np.zeros((0, 4), dtype=np.int64),
+    "crop": np.zeros((0, CROP_SIZE, CROP_SIZE, 3), dtype=np.uint8),
+    "mask": np.zeros((0, CROP_SIZE, CROP_SIZE), dtype=np.bool_),
+    "fc6": np.zeros((0, FC6_SIZE), dtype=np.float32),
+    "pixels": np.zeros((0, 3), dtype=np.uint8),
+    "pixel_index": np.zeros(0, dtype=np.int64),
+}
 
 
 class DetectionError(ValueError):
@@ -39,46 +64,62 @@ def perceive(logs: Iterable[Log], calibration_log: Log, settings: FeatureSetting
         settings: Settings of detection, crops and network.
 
     Raises:
-        DetectionError: A trial shows an implausible number of objects and the settings do not drop it, or
-            no trial is left.
-        LogError: A log lacks a signal or holds a bad one.
-        ValueError: Trials repeat, or their joints or images differ.
+        DetectionError: A trial shows an implausible number of objects and the settings do not drop it.
+        LogError: A log lacks a signal or holds a bad one, or says another trial's number.
+        ValueError: The trials' joints or images differ, or there are none.
     """
     with one_thread():
         view = fit_view(calibration(calibration_log))
         parts: list[Percepts] = []
-        dropped: dict[int, str] = {}
+        sources: list[tuple[str, int]] = []
         for one in logs:
             seen = observation(one)
-            try:
-                found = detect(seen.image_before, view.empty, settings.detection)
-            except ValueError as error:
-                raise ValueError(f"trial {seen.trial}: {error}") from error
-            if problem := _wrong_count(seen.trial, len(found), settings.detection):
+            sources.append((one.source, seen.trial))
+            found = found_objects(seen, view, settings.detection)
+            if problem := wrong_count(seen.trial, len(found), settings.detection):
                 if settings.detection.on_wrong_count == "error":
-                    raise DetectionError(problem)
+                    raise DetectionError(f"{one.source}: {problem}")
                 log.warning("dropped: %s", problem)
-                dropped[seen.trial] = problem
+                parts.append(_dropped(seen, problem, view))
             else:
                 parts.append(_perceive_trial(seen, truth(one), found, view, settings))
-        if not parts:
-            raise DetectionError("\n".join(["no trial is left", *dropped.values()]))
+        if problems := list(order_problems(sources)):
+            raise LogError("\n".join(problems))
         joined = join(parts)
-        numbers = np.array(sorted(dropped), dtype=np.int64)
-        return replace(
-            joined,
-            fc6=fc6(joined.crop, joined.mask, settings),
-            dropped=tuple(dropped[number] for number in numbers.tolist()),
-            dropped_trial=numbers,
-        )
+        return replace(joined, fc6=fc6(joined.crop, joined.mask, settings))
 
 
-def _wrong_count(trial: int, count: int, settings: Detection) -> str:
+def found_objects(seen: Observation, view: View, settings: Detection) -> tuple[Found, ...]:
+    """Return the objects of a trial.
+
+    Raises:
+        ValueError: The picture has another size than that of the calibration.
+    """
+    try:
+        return detect(seen.image_before, view.empty, settings)
+    except ValueError as error:
+        raise ValueError(f"trial {seen.trial}: {error}") from error
+
+
+def wrong_count(trial: int, count: int, settings: Detection) -> str:
     """Say what is implausible about a number of objects; empty if nothing is."""
     fewest, most = settings.fewest_objects, settings.most_objects
     if fewest <= count <= most:
         return ""
     return f"trial {trial}: {count} objects found; expected {fewest} to {most} (feature_extraction.detection)"
+
+
+def _dropped(seen: Observation, problem: str, view: View) -> Percepts:
+    """Return the percepts of a trial of which nothing is kept but why."""
+    return Percepts(
+        **_NO_TRIAL,
+        joint_names=tuple(seen.joint_names),
+        joint_lower=seen.joint_lower,
+        joint_upper=seen.joint_upper,
+        table_height=np.array(view.table_height),
+        dropped=(problem,),
+        dropped_trial=np.array([seen.trial]),
+    )
 
 
 def _perceive_trial(

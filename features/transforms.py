@@ -29,6 +29,9 @@ log = logging.getLogger(__name__)
 
 Array = NDArray[np.float64]
 
+LEAST_OBJECTS = 2
+"""So many objects are needed to fit on."""
+
 
 @dataclass(frozen=True, eq=False)
 class Transforms:
@@ -79,10 +82,10 @@ def fit_transforms(percepts: Percepts, settings: FeatureSettings, seed: int, *na
         ValueError: No trial in which an action was executed, or fewer than two objects.
     """
     acted = percepts.acted & (percepts.attended_object >= 0)
-    if not acted.any() or len(percepts.box) < 2:
+    if not acted.any() or len(percepts.box) < LEAST_OBJECTS:
         raise ValueError(
             f"{int(acted.sum())} trials with an action and {len(percepts.box)} objects to fit on; "
-            "expected at least 1 trial and 2 objects"
+            f"expected at least 1 trial and {LEAST_OBJECTS} objects"
         )
     with one_thread():
         mean, components = _principal_components(percepts.fc6.astype(np.float64), settings.components)
@@ -148,7 +151,12 @@ def apply(transforms: Transforms, percepts: Percepts) -> FeatureTable:
     """Make the feature table of some trials.
 
     The action of a trial in which none was executed (instructions) is all zeros.
+
+    Raises:
+        ValueError: All trials were dropped.
     """
+    if not len(percepts.trial):
+        raise ValueError("\n".join(["no trial is left", *percepts.dropped]))
     raw = np.column_stack([relative_hand(percepts), percepts.finger_rate, percepts.joints, percepts.touch])
     scaled = np.where(percepts.acted[:, None], transforms.action_scale.scale(raw), 0.0)
     with one_thread():

@@ -32,10 +32,9 @@ def features(source: Source) -> Figure:
     table = read_table(files["trials"][0], files["objects"][0], need_attention=True)
     percepts = first(join([load_percepts(path) for path in files["percepts"]]), D)
     seen = overview(percepts, load_transforms(files["transforms"][0]), table, source.settings["groups"])
-    paths = dict(zip(source.settings["trials"], files["logs"], strict=True))
+    before = {one.trial: one.image_before for one in (observation(read_log(path)) for path in files["logs"])}
     # Where many trials were dropped, fewer than that are among the first logs.
-    shown = [trial for trial in seen.trial[:IMAGES].tolist() if trial in paths]
-    images = [observation(read_log(paths[trial])).image_before for trial in shown]
+    images = [before[trial] for trial in seen.trial[:IMAGES].tolist() if trial in before]
     return features_overview(seen, images, f"{source.names['experiment']}, D = {D}")
 
 

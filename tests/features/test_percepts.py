@@ -16,7 +16,7 @@ from features.arrays import ArtifactError
 from features.extraction_settings import FeatureSettings
 from features.percept_data import Percepts, first, join, load_percepts, save_percepts
 from features.percepts import DetectionError, perceive
-from features.transforms import relative_hand
+from features.transforms import apply, fit_transforms, relative_hand
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -176,8 +176,38 @@ def test_a_wrong_count_is_dropped_and_counted_where_so_set(
     assert first(seen, 8).dropped == seen.dropped
     with pytest.raises(ValueError, match="none of the first 1 trials is left\ntrial 1: 5 objects"):
         first(seen, 1)
-    with pytest.raises(DetectionError, match="no trial is left"):
-        perceive([crowded(logs)], logs.calibration(), DROP)
+
+
+def test_a_block_of_which_no_trial_is_left_is_joined_to_others(logs: Any, tmp_path: Path) -> None:
+    """How trials are shared out among jobs must not show: alone in its block, a dropped trial stops nothing."""
+    full = crowded(logs)
+    whole = perceive([full, *logs.trials(3)[1:]], logs.calibration(), DROP)
+    save_percepts(tmp_path / "gone.npz", perceive([full], logs.calibration(), DROP))
+    gone = load_percepts(tmp_path / "gone.npz")
+    assert (len(gone.trial), gone.dropped_trial.tolist()) == (0, [1])
+    rest = perceive(logs.trials(3)[1:], logs.calibration(), DROP)
+    assert same(join([rest, gone]), whole)
+    transforms = fit_transforms(join([gone, rest]), DROP, 1, "own", 3)
+    with pytest.raises(ValueError, match="no trial is left\ntrial 1: 5 objects found"):
+        apply(transforms, gone)
+
+
+def test_logs_that_say_the_same_trial_are_both_named(logs: Any) -> None:
+    first_, second = (replace(log, source=f"trial_000{i}.mcap") for i, log in enumerate(logs.trials(2), start=1))
+    for number in ("1", "0001"):
+        again = replace(second, metadata={**second.metadata, "trial": number})
+        with pytest.raises(
+            LogError, match=r"trial_0002\.mcap: says that it is trial 1, and so does trial_0001\.mcap"
+        ):
+            perceive([first_, again], logs.calibration(), SETTINGS)
+    turned = [replace(log, metadata={"trial": str(3 - i)}) for i, log in enumerate((first_, second), start=1)]
+    for given in (turned, turned[::-1]):
+        with pytest.raises(
+            LogError, match=r"trial_0002\.mcap: says that it is trial 1, and trial_0001\.mcap before it"
+        ):
+            perceive(given, logs.calibration(), SETTINGS)
+    later = [replace(log, metadata={"trial": str(100 + i)}) for i, log in enumerate((first_, second), start=1)]
+    assert perceive(later[::-1], logs.calibration(), SETTINGS).trial.tolist() == [101, 102]
 
 
 def test_dropped_trials_stay_known(logs: Any, tmp_path: Path) -> None:
@@ -218,6 +248,14 @@ def test_an_image_that_is_no_image_is_refused_by_name(
 
 
 def test_an_image_of_another_size_is_refused(logs: Any) -> None:
-    log = changed(logs.trials(1)[0], topics.IMAGE_BEFORE, np.zeros((120, 160, 3), dtype=np.uint8))
+    small = np.zeros((120, 160, 3), dtype=np.uint8)
+    log = changed(logs.trials(1)[0], topics.IMAGE_BEFORE, small)
+    with pytest.raises(LogError, match=r"before/compressed has 160 × 120 pixels, but .* for pictures of 320 × 240"):
+        perceive([log], logs.calibration(), SETTINGS)
+    pictures = (topics.IMAGE_BEFORE, topics.IMAGE_GAZE, topics.IMAGE_AFTER)
+    for topic in pictures:  # all of them, and the camera
+        log = changed(log, topic, small)
+    camera: Any = next(m.value for m in log.messages if m.topic == topics.CAMERA)
+    log = changed(log, topics.CAMERA, replace(camera, width=160, height=120))
     with pytest.raises(ValueError, match=r"trial 1: images of shapes \(120, 160, 3\) and \(240, 320, 3\)"):
         perceive([log], logs.calibration(), SETTINGS)
