@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 from workflow.artifacts.cache_options import default_folder, default_limit, size_in_bytes
@@ -11,8 +13,10 @@ from workflow.artifacts.provenance import ROOT
 from workflow.artifacts.store import Store
 from workflow.plan.config import ConfigError
 from workflow.plan.loading import load_study
+from workflow.plan.study import Study
 
 WRONG = 2
+SECONDS_OF_SILENCE = 5.0
 
 
 def main() -> int:
@@ -51,7 +55,7 @@ def _parser() -> argparse.ArgumentParser:
 def _command(arguments: argparse.Namespace) -> int:
     match arguments.command:
         case "run":
-            load_study(arguments.config)  # finds mistakes before anything starts
+            _open_logs(arguments.config, load_study(arguments.config))  # finds mistakes before anything starts
             if arguments.cores is not None and arguments.cores < 1:
                 raise ValueError(f"--cores {arguments.cores}: must be at least 1")
             from workflow.execution.runner import run
@@ -60,6 +64,7 @@ def _command(arguments: argparse.Namespace) -> int:
             return run(arguments.config, arguments.out, *how, _store(arguments))
         case "check":
             study = load_study(arguments.config)
+            _open_logs(arguments.config, study)
             fits = sum(1 for name in study.experiments for _ in study.conditions(name))
             _print(f"{arguments.config}: {len(study.first_sets)} experiments, {fits} fits, no problem found")
         case "verify":
@@ -82,6 +87,44 @@ def _command(arguments: argparse.Namespace) -> int:
             count, freed = store.trim(size_in_bytes("--to", arguments.to, "0 to empty the cache"))
             _print(f"{store.folder}: {count} jobs removed, {_mib(freed)} freed")
     return 0
+
+
+def _open_logs(config: Path, study: Study) -> None:
+    """Look into the logs that a config names.
+
+    Raises:
+        ConfigError: With everything for which a run would refuse them.
+    """
+    if all(experiment.source != "logs" for experiment in study.experiments.values()):
+        return
+    from workflow.artifacts.provenance import code_hash
+    from workflow.artifacts.remembered import recall, remember
+    from workflow.plan.log_checks import log_problems, unread_logs
+
+    memory_file = default_folder() / "checked_logs.json" if default_limit() else None
+    known = recall(memory_file) if memory_file else {}
+    before = len(known)
+    try:
+        problems = list(log_problems(study, known, code_hash(ROOT / "features" / "log_check.py"), _progress()))
+    finally:
+        if memory_file and len(known) > before:
+            remember(memory_file, known)
+    if problems:
+        raise ConfigError(str(config), problems)
+    _print(*(f"note: {line}" for line in unread_logs(study)))
+
+
+def _progress() -> Callable[[int, int], None]:
+    """A function that says every few seconds how many logs have been opened."""
+    last = time.monotonic()
+
+    def tell(done: int, total: int) -> None:
+        nonlocal last
+        if time.monotonic() - last > SECONDS_OF_SILENCE:
+            last = time.monotonic()
+            sys.stderr.write(f"{done} of {total} logs opened\n")
+
+    return tell
 
 
 def _store(arguments: argparse.Namespace) -> Store:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from data_collection.log.numbering import file_of_trial
 from model.methods import METHODS
 from model.samplers import SAMPLERS
 from workflow.plan.config_types import CHANNELS, WORDLESS
@@ -162,10 +163,18 @@ def data_problems(study: Study, name: str) -> Iterator[str]:
                 yield from _table_problems(study, experiment, set_name)
 
 
-def _named_by(experiment: Experiment, key: str) -> list[str | int]:
+def named_by(experiment: Experiment, key: str) -> list[str | int]:
     """The key that names the files of a data set, with its place where it is a list."""
     listed = isinstance(getattr(experiment.settings, key), tuple)
     return ["experiments", experiment.title, key, *([experiment.dataset - 1] if listed else [])]
+
+
+def too_long(study: Study, experiment: Experiment, words: int) -> str:
+    """Say why a sentence of so many words is too long for what is fitted to a data set; empty if it is not."""
+    users = [user for user in study.experiments.values() if user.data == experiment.name]
+    if words <= len(CHANNELS) or not any("proposed" in user.settings.methods for user in users):
+        return ""
+    return f"{words} words, but method proposed explains at most {len(CHANNELS)} (one per channel)"
 
 
 def _braces(where: str, path: Path) -> Iterator[str]:
@@ -174,7 +183,7 @@ def _braces(where: str, path: Path) -> Iterator[str]:
 
 
 def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
-    where = key_path(_named_by(experiment, "logs"))
+    where = key_path(named_by(experiment, "logs"))
     folder = study.log_folder(experiment.name)
     yield from _braces(where, folder)
     if not (folder / "calibration.mcap").is_file():
@@ -182,16 +191,18 @@ def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
     count = len(log_folder_trials(folder, "train"))
     needed = max(D for user in study.experiments.values() if user.data == experiment.name for D in user.settings.D)
     if count < needed:
+        others = sorted(path.name for path in (folder / "train").glob("*.mcap*"))[count:]
+        there = f"; there are also {', '.join(others[:3])}{', …' if len(others) > 3 else ''}" if others else ""
         yield (
             f"{where}: D is up to {needed}, but {folder / 'train'} holds {count} logs numbered without a gap "
-            "(trial_0001.mcap, trial_0002.mcap, …)"
+            f"({file_of_trial(1)}, {file_of_trial(2)}, …){there}"
         )
 
 
 def _table_problems(study: Study, experiment: Experiment, set_name: str) -> Iterator[str]:
     from features.table import TableError, import_table
 
-    where = key_path([*_named_by(experiment, "features"), *([] if set_name == "train" else [set_name])])
+    where = key_path([*named_by(experiment, "features"), *([] if set_name == "train" else [set_name])])
     paths = feature_files(study, experiment.name, set_name)
     for key, path in paths.items():
         yield from _braces(f"{where}.{key}", path)

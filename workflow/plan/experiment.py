@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from data_collection.log.numbering import file_of_trial
 from evaluation.data_sets import data_set_name
 from model.methods import METHODS
 from model.prior import Prior
@@ -93,8 +94,8 @@ class Experiment:
 
 
 def log_folder_trials(folder: Path, set_name: str) -> list[Path]:
-    """The logs trial_0001.mcap, trial_0002.mcap, … of a set in a folder, up to the first gap."""
+    """The logs trial_0001.mcap, trial_0002.mcap, … of a set in a folder, up to the first gap; D counts them."""
     present: list[Path] = []
-    while (path := folder / set_name / f"trial_{len(present) + 1:04}.mcap").is_file():
+    while (path := folder / set_name / file_of_trial(len(present) + 1)).is_file():
         present.append(path)
     return present

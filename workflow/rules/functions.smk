@@ -27,8 +27,8 @@ def simulated_blocks():
 def log_path(experiment, set_name, trial):
     """Where the log of a trial is: in the results, or where the config says."""
     if study.experiments[experiment].source == "logs":
-        return str(study.log_folder(experiment) / set_name / f"trial_{trial:04}.mcap")
-    return f"mcap/{experiment}/{set_name}/trial_{trial:04}.mcap"
+        return str(study.log_folder(experiment) / set_name / file_of_trial(trial))
+    return f"mcap/{experiment}/{set_name}/{file_of_trial(trial)}"
 
 
 def calibration_path(wildcards):
