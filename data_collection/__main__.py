@@ -71,7 +71,7 @@ def _check(path: Path, options: argparse.Namespace) -> bool:
         raise LogError(told(found))
     kind = kind_of(log)
     _say(f"{path}: {kind}, {len(log.messages)} messages, {_seconds(log):.2f} s{_said(log)}")
-    for note in time_notes(log) if kind != "calibration" else ():
+    for note in time_notes(log) if kind == "trial" else ():
         _say(f"  note: {note}")
     return True
 

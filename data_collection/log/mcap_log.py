@@ -162,9 +162,10 @@ def _decoded(source: str, raw: Iterable[tuple[int, str, bytes]]) -> Iterator[Mes
         if BY_TOPIC[topic].once and topic in first:
             earlier, message = first[topic]
             if data != earlier and not _says_the_same(message, _decode(source, time, topic, data)):
+                stream = " (one picture, not a stream of them)" if BY_TOPIC[topic].value.type == IMAGE else ""
                 raise LogError(
                     f"{source}: {topic} at {time} ns comes again with another value than at {message.time} ns, "
-                    "once is expected"
+                    f"once is expected{stream}"
                 )
             continue
         message = _decode(source, time, topic, data)

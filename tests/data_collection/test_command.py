@@ -120,3 +120,11 @@ def test_what_breaks_the_simulator_is_told_as_the_fault_of_the_log(
     monkeypatch.setattr(log_differences, "collect", stop)
     with pytest.raises(LogError, match=r"cannot be simulated again from its metadata \(IndexError: no place is left"):
         log_differences.regenerate(trials[0])
+
+
+def test_an_instruction_is_one_moment_and_that_is_no_note(
+    instruction: Log, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_log(tmp_path / "trial_0001.mcap", instruction)
+    assert main(["check", str(tmp_path / "trial_0001.mcap")]) == 0
+    assert "note" not in capsys.readouterr().out
