@@ -51,7 +51,10 @@ def decode_image(data: bytes) -> Image:
 
     # The size is read from the header first: a few bytes can claim gigabytes of pixels.
     try:
-        with Pillow.open(io.BytesIO(data), formats=("PNG", "JPEG")) as header:
+        with (
+            warnings.catch_warnings(action="ignore"),  # of EXIF data that are damaged
+            Pillow.open(io.BytesIO(data), formats=("PNG", "JPEG")) as header,
+        ):
             width, height = header.size
             turned = _orientation(header, data) if width * height <= MAX_PIXELS else _UPRIGHT
     except (UnidentifiedImageError, Pillow.DecompressionBombError) as error:
@@ -84,8 +87,7 @@ def _orientation(header: Any, data: bytes) -> int:
     if b"Exif" not in data and b"eXIf" not in data:  # to look for them, Pillow unpacks all pixels of a PNG
         return _UPRIGHT
     try:
-        with warnings.catch_warnings(action="ignore"):
-            turned = header.getexif().get(_ORIENTATION, _UPRIGHT)
+        turned = header.getexif().get(_ORIENTATION, _UPRIGHT)
     except Exception:  # damaged EXIF data surface as struct, syntax, key, … errors; the picture may be sound
         return _UPRIGHT
     return turned if turned in _TURNS else _UPRIGHT
