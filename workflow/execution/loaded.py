@@ -3,11 +3,15 @@
 import ast
 import contextlib
 import importlib
+import logging
 import os
+import sys
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 
 from workflow.artifacts.provenance import imported_files, imported_names
+from workflow.execution.job import CLEAR
 
 # Arrow's allocator would start a thread, which forks would lack.
 os.environ["JE_ARROW_MALLOC_CONF"] = "background_thread:false"
@@ -28,7 +32,24 @@ def load(scripts: list[Path]) -> None:
     if "model.fitting" in names:
         from model.fitting import load_compiled
 
-        load_compiled()
+        with _shown("model.compiled"):
+            load_compiled()
+
+
+@contextlib.contextmanager
+def _shown(name: str) -> Iterator[None]:
+    """Show on the screen what a module says while the block lasts: compiling takes a minute or two."""
+    handler = logging.StreamHandler()
+    handler.setFormatter(logging.Formatter(f"{CLEAR if sys.stderr.isatty() else ''}%(message)s, a minute or two"))
+    logger = logging.getLogger(name)
+    level = logger.level
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(level)
 
 
 try:
