@@ -76,8 +76,13 @@ def test_nobody_reads_to_the_end() -> None:
 def parsers(main: Callable[[Sequence[str]], int]) -> Iterator[argparse.ArgumentParser]:
     """The parsers of a package's commands."""
     found: list[argparse.ArgumentParser] = []
+
+    def keep(parser: argparse.ArgumentParser, _: object) -> None:
+        found.append(parser)
+        raise SystemExit
+
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(argparse.ArgumentParser, "parse_args", lambda self, _: found.append(self) or sys.exit(0))
+        patch.setattr(argparse.ArgumentParser, "parse_args", keep)
         with pytest.raises(SystemExit):
             main([])
     for action in found[0]._actions:

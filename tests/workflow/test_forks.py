@@ -40,6 +40,16 @@ def in_forks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     forks.stop()
 
 
+@pytest.fixture
+def in_light_forks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The same without any libraries."""
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    monkeypatch.chdir(tmp_path)
+    forks.preload([script(tmp_path, "")])
+    yield tmp_path
+    forks.stop()
+
+
 def script(folder: Path, text: str) -> Path:
     path = folder / "script.py"
     path.write_text(text, encoding="utf-8")
@@ -94,30 +104,30 @@ def test_stopping_leaves_no_process(in_forks: Path) -> None:
         os.kill(server, 0)
 
 
-def test_a_long_temporary_folder_is_no_hindrance(in_forks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_long_temporary_folder_is_no_hindrance(in_light_forks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The fork server's socket is elsewhere, and jobs use the folder as they should."""
     forks.stop()
     monkeypatch.delitem(multiprocessing.current_process()._config, "tempdir", raising=False)  # type: ignore[attr-defined]
-    long = in_forks / ("job_" * 20) / ("job_" * 20)
+    long = in_light_forks / ("job_" * 20) / ("job_" * 20)
     long.mkdir(parents=True)
     monkeypatch.setenv("TMPDIR", str(long))
     monkeypatch.setattr(tempfile, "tempdir", None)
-    forks.preload([ROOT / "workflow" / "scripts" / "scores.py"])
+    forks.preload([script(in_light_forks, "")])
     text = "import tempfile; raise SystemExit(len(tempfile.gettempdir()) < 100)"
-    assert forks.run(script(in_forks, text)) == 0
+    assert forks.run(script(in_light_forks, text)) == 0
 
 
-def test_a_server_that_is_killed_while_a_job_runs(in_forks: Path) -> None:
+def test_a_server_that_is_killed_while_a_job_runs(in_light_forks: Path) -> None:
     text = "import os, signal; os.kill(os.getppid(), signal.SIGKILL)"
-    assert forks.run(script(in_forks, text)) == forks.LOST
-    assert forks.run(script(in_forks, "")) == 0  # another one has been started
+    assert forks.run(script(in_light_forks, text)) == forks.LOST
+    assert forks.run(script(in_light_forks, "")) == 0  # another one has been started
 
 
-def test_a_server_that_ends_as_it_begins(in_forks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_server_that_ends_as_it_begins(in_light_forks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     forks.stop()
     monkeypatch.delenv("LOADED_SCRIPTS")  # without which it fails
     with pytest.raises(forks.ServerEndedError, match="the process that starts the jobs has ended"):
-        forks.run(script(in_forks, ""))
+        forks.run(script(in_light_forks, ""))
 
 
 @pytest.mark.parametrize("interrupted", [True, False])
