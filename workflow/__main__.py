@@ -30,11 +30,9 @@ def leave_out_foreign_packages() -> None:
     `environment.lock`, and is part of no key.
     """
     own = Path(__file__).resolve().parents[1]
-    named = [Path(each).absolute() for each in os.environ.pop("PYTHONPATH", "").split(os.pathsep) if each]
-    foreign = {str(each) for each in named if each.resolve() != own}
+    foreign = {Path(each).resolve() for each in os.environ.pop("PYTHONPATH", "").split(os.pathsep) if each} - {own}
     if foreign:
-        sys.path[:] = [each for each in sys.path if str(Path(each).absolute()) not in foreign]
-        sys.path.insert(0, str(own))
+        sys.path[:] = [str(own), *(each for each in sys.path if Path(each).resolve() not in foreign)]
 
 
 if __name__ == "__main__":

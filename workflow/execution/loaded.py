@@ -5,13 +5,13 @@ import contextlib
 import importlib
 import logging
 import os
+import signal
 import sys
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
 from workflow.artifacts.provenance import imported_files, imported_names
-from workflow.execution.job import CLEAR
 
 # Arrow's allocator would start a thread, which forks would lack.
 os.environ["JE_ARROW_MALLOC_CONF"] = "background_thread:false"
@@ -39,6 +39,8 @@ def load(scripts: list[Path]) -> None:
 @contextlib.contextmanager
 def _shown(name: str) -> Iterator[None]:
     """Show on the screen what a module says while the block lasts: compiling takes a minute or two."""
+    from workflow.execution.job import CLEAR
+
     handler = logging.StreamHandler()
     handler.setFormatter(logging.Formatter(f"{CLEAR if sys.stderr.isatty() else ''}%(message)s, a minute or two"))
     logger = logging.getLogger(name)
@@ -52,7 +54,7 @@ def _shown(name: str) -> Iterator[None]:
         logger.setLevel(level)
 
 
-try:
-    load([Path(script) for script in os.environ["LOADED_SCRIPTS"].split(os.pathsep)])
-except KeyboardInterrupt:  # the run reports that
-    raise SystemExit(1) from None
+# An interrupt ends this process without a word, since the run has one; the forks handle theirs again.
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+load([Path(script) for script in os.environ["LOADED_SCRIPTS"].split(os.pathsep)])
+signal.signal(signal.SIGINT, signal.default_int_handler)
