@@ -5,6 +5,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from data_collection.console import counted, run_command
 from data_collection.log.mcap_log import Log, LogError, read_log
 from data_collection.log.topics import TOPICS
 from data_collection.processor import begin_pinned
@@ -15,19 +16,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m data_collection", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     check = commands.add_parser("check", help="validate logs and summarise them")
-    check.add_argument("logs", nargs="+", type=Path, metavar="LOG")
+    check.add_argument("logs", nargs="+", type=Path, metavar="LOG", help="log files")
     show = commands.add_parser("show", help="write a picture strip and an animation of each log")
-    show.add_argument("logs", nargs="+", type=Path, metavar="LOG")
+    show.add_argument("logs", nargs="+", type=Path, metavar="LOG", help="log files")
     show.add_argument("--out", type=Path, default=Path(), metavar="FOLDER", help="where to (default: here)")
     show.add_argument(
-        "--every", type=int, default=2, metavar="N", help="animate every Nth joint message (default: 2)"
+        "--every", type=int, default=2, metavar="N", help="animate every Nth joint message (default: %(default)s)"
     )
-    show.add_argument("--no-animation", action="store_true", help="only the strip")
+    show.add_argument("--no-animation", action="store_true", help="only the strip (default: both)")
     again = commands.add_parser("regenerate", help="simulate trials again from their metadata and compare")
-    again.add_argument("logs", nargs="+", type=Path, metavar="LOG")
+    again.add_argument("logs", nargs="+", type=Path, metavar="LOG", help="log files of a simulation")
     export = commands.add_parser("export-lerobot", help="write trials as a LeRobot v3.0 dataset")
     export.add_argument("logs", nargs="+", type=Path, metavar="LOG", help="log files, or folders of them")
-    export.add_argument("out", type=Path, metavar="OUT", help="new folder")
+    export.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="where to: a new folder")
     commands.add_parser("topics", help="print the table of topics")
     options = parser.parse_args(arguments)
     if options.command == "topics":
@@ -45,7 +46,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sound = False
         failed += not sound
     if len(options.logs) > 1 or failed:
-        _say(f"{len(options.logs) - failed} of {len(options.logs)} logs are in order")
+        are = "is" if len(options.logs) == 1 else "are"
+        _say(f"{len(options.logs) - failed} of {counted(len(options.logs), 'log')} {are} in order")
     return 1 if failed else 0
 
 
@@ -138,4 +140,4 @@ def _say(text: str, *, error: bool = False) -> None:
 
 if __name__ == "__main__":
     begin_pinned()  # so that a simulation can be compared with that of a study
-    sys.exit(main())
+    sys.exit(run_command(main))

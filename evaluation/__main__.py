@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from data_collection.console import run_command
 from evaluation.ratings import RatingError, human_rates, read_forms, read_key
 from evaluation.scores import write_csv
 from evaluation.two_runs import compare_folders
@@ -30,11 +31,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     ratings.add_argument("forms", nargs="+", type=Path, metavar="FORM", help="CSV forms, one or more per rater")
     ratings.add_argument("--key", type=Path, required=True, help="which clip shows what: ratings/EXPERIMENT_key.csv")
-    ratings.add_argument("--out", type=Path, help="write the rates as CSV, too")
+    ratings.add_argument("--out", type=Path, help="write the rates as CSV, too (default: only print them)")
     options = parser.parse_args(arguments)
     try:
         return _compare(options) if options.command == "compare" else _ratings(options)
-    except (FileNotFoundError, RatingError, ValueError) as error:
+    except (OSError, RatingError, ValueError) as error:
         sys.stderr.write(f"{error}\n")
         return 2
 
@@ -58,4 +59,4 @@ def _ratings(options: argparse.Namespace) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_command(main))

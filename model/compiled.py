@@ -22,6 +22,8 @@ import numpy as np
 from llvmlite import binding
 from numba.core.caching import UserProvidedCacheLocator
 
+from data_collection.user_folders import user_cache
+
 _Arguments = ParamSpec("_Arguments")
 _Result = TypeVar("_Result")
 
@@ -91,8 +93,8 @@ def cache_folder() -> Path | None:
     """
     package = Path(__file__).parent
     named = os.environ.get("NUMBA_CACHE_DIR")
-    user = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "cross-situational-learning"
-    for base in ([Path(named)] if named else []) + [package / "__pycache__", user]:
+    user = user_cache()
+    for base in [*([Path(named)] if named else []), package / "__pycache__", *([user] if user else [])]:
         folder = base / f"compiled-{_digest(package)}"
         try:
             folder.mkdir(parents=True, exist_ok=True)

@@ -78,6 +78,18 @@ class Fit:
     summary: Summary | None = None
     chains: Chains | None = None
 
+    def __repr__(self) -> str:
+        """What was fitted, how, and how it ended, on one line rather than in thousands of numbers."""
+        channels = self.trials.channels
+        used = ", ".join(
+            f"{channel.name} {count}" for channel, count in zip(channels, self.trace_used[-1], strict=True)
+        )
+        return (
+            f"<Fit of {self.problem.method.name} by {self.sampler.kind}: {len(channels[0].speaker)} trials, "
+            f"{self.trials.words.shape[1]} words, {len(self.trace_log_joint)} iterations, "
+            f"log joint {self.trace_log_joint[-1]:.2f}, categories: {used}>"
+        )
+
     @property
     def trials(self) -> Trials:
         """What was fitted."""

@@ -70,9 +70,9 @@ def test_a_brief_clip_ends_with_the_end_of_the_action(trials: list[Log], tmp_pat
 
 
 def test_export(log_path: Path, tmp_path: Path) -> None:
-    assert main(["export-lerobot", str(log_path.parent), str(tmp_path / "set")]) == 0
+    assert main(["export-lerobot", str(log_path.parent), "--out", str(tmp_path / "set")]) == 0
     assert (tmp_path / "set/meta/info.json").exists()
-    assert main(["export-lerobot", str(log_path.parent), str(tmp_path / "set")]) == 1
+    assert main(["export-lerobot", str(log_path.parent), "--out", str(tmp_path / "set")]) == 1
 
 
 @pytest.mark.parametrize(

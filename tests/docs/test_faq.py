@@ -19,6 +19,8 @@ from features.transforms import _principal_components
 from tests.docs.conditions import SMOKE, patched
 from tests.docs.pages import ROOT, Block, blocks, matches
 from tests.synthetic import OBJECTS_COLUMNS, TRIALS_COLUMNS, WORDS, own_rows, write_own_study, write_rows
+from workflow.artifacts.store import Store
+from workflow.execution import engine, forks, runner
 from workflow.plan.config import ConfigError
 from workflow.plan.loading import load_study
 
@@ -87,6 +89,12 @@ def long_sentence(tmp_path: Path) -> str:
     return refused(config)
 
 
+def no_folder(_: Path) -> str:
+    with pytest.raises(OSError, match="cannot be written") as raised:
+        runner.run(SMOKE, Path("/proc/study"), 1, engine.DEFAULT, (), Store(Path("nowhere"), 0))
+    return str(raised.value)
+
+
 QUICK: Mapping[str, Callable[[Path], str]] = {
     "Unknown key": unknown_key,
     "Value out of range": out_of_range,
@@ -97,6 +105,8 @@ QUICK: Mapping[str, Callable[[Path], str]] = {
     "Logs not found": no_logs,
     "Feature table refused": bad_table,
     "Sentence too long": long_sentence,
+    "The process that starts the jobs": lambda _: forks.ENDED,
+    "Output folder refused": no_folder,
 }
 OTHER = {"Set-up", "Damaged log", "Objects not found", "Folder in use", "Fewer components"}
 

@@ -41,3 +41,14 @@ def test_the_notebook_runs(folder: str, repository: Path, environment: Mapping[s
     assert done.returncode == 0, done.stderr
     assert "figures: 5" in done.stdout
     assert "simulator, D = 6" in done.stdout
+
+
+def test_it_runs_where_there_is_no_jupyter(tmp_path: Path) -> None:
+    """As a script that prints what cells give and saves the figure of each."""
+    sources = ["x = 20\nx + 1\n", "import matplotlib.pyplot as plt\nplt.subplots()\nplt.subplots()\nx + 2;"]
+    cells_ = [{"cell_type": "code", "source": source.splitlines(keepends=True)} for source in sources]
+    (tmp_path / "a.ipynb").write_text(json.dumps({"cells": [{"cell_type": "markdown", "source": ["# A"]}, *cells_]}))
+    script = [sys.executable, str(ROOT / "docs" / "run_notebook.py"), "pictures", "--notebook", "a.ipynb"]
+    done = subprocess.run(script, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout == "21\n2 figures in pictures\n"
+    assert sorted(path.name for path in (tmp_path / "pictures").iterdir()) == ["1.png", "2.png"]

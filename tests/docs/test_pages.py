@@ -83,9 +83,22 @@ def test_the_config_reference_has_every_key() -> None:
     page = reference()
     keys = ("averaged_draws", "temperature", "extra_degrees_of_freedom", "components", "most_objects", "saturation")
     for key in keys:
-        assert f"| `{key}` |" in page
-    assert "| `ROW` | list of 1 or more, each: whole number from 0 to 100 | `[0]` |" in page
+        assert re.search(rf"^- `{key}` — .+\. \*.+ by default\*$", page, re.MULTILINE), key
+    row = (
+        "- `ROW` — rates of omitted words in per cent. *List of 1 or more, each: whole number from 0 to 100; `[0]` by"
+    )
+    assert f"{row} default*" in page.splitlines()
     assert "$ref" not in page
+
+
+def test_the_config_reference_can_be_read() -> None:
+    """Lists instead of wide tables, nothing told twice, and an outline whose links lead to its sections."""
+    page = reference()
+    assert "| --- |" not in page
+    assert max(map(len, page.splitlines())) < 600
+    assert page.count("not beginning with =") == page.count("— sweeps per chain.") - 1 == 1  # mixing has its own
+    assert "As for kind `blocked`: `chains`, `burn_in`." in page
+    assert "- `action`, `position`, `object`, `color` — the words of one channel." in page
 
 
 def test_the_picture_is_an_svg_that_stands_alone() -> None:

@@ -15,6 +15,8 @@ import pytest
 from tests.synthetic import write_own_study
 from tests.workflow.runs import copy_project, hashes, run
 from workflow.artifacts.provenance import ROOT
+from workflow.execution import engine
+from workflow.execution.dag import Job
 
 
 @pytest.mark.slow
@@ -62,3 +64,18 @@ def test_what_nobody_promises_of_snakemake_is_listed(tmp_path: Path) -> None:
     assert found.returncode == 1
     assert "dag._needrun: not allowed" in found.stdout
     assert "dag.finish (replaced): not allowed" in found.stdout
+
+
+def test_a_stage_of_many_rules_is_forced_by_its_name() -> None:
+    """Each block of trials is a rule: nobody is to write all of their names."""
+    jobs = [
+        Job(f"collect_a_train_{first}_to_{first + 1}", {}, {}, {}, {}, f"joblogs/collect/a/train_{first}.log")
+        for first in (1, 3)
+    ]
+    jobs.append(Job("fit", {}, {}, {}, {}, "joblogs/fit/a/b.log"))
+    asked = {"collect", "fit", "tables/a.csv"}
+    assert engine.forced_stages(asked) == {"collect"}  # the others are Snakemake's own
+    assert engine.forced_stages(None) == set()
+    assert [job.forced for job in engine.forced(jobs, {"collect"})] == [True, True, False]
+    with pytest.raises(ValueError, match="--forcerun figures: this study has no such job"):
+        engine.forced(jobs, {"figures"})

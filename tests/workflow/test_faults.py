@@ -189,8 +189,9 @@ def with_source(source: Path) -> list[Job]:
     return [replace(job, inputs=job.inputs | {"source": str(source)}) for job in jobs[:2]] + jobs[2:]
 
 
+@pytest.mark.parametrize("whole", [True, False], ids=["the study", "some targets"])
 def test_a_file_from_elsewhere_that_changes_between_two_jobs(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    whole: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """What was made of the other version says so, and is not taken for what it is not, here nor in the cache."""
     source, store = tmp_path / "source", Store(tmp_path / "cache")
@@ -201,7 +202,7 @@ def test_a_file_from_elsewhere_that_changes_between_two_jobs(
         if rule == "collect":
             source.write_text("two")
 
-    assert tiny.run(tmp_path / "out", store, jobs, after=change_it) == 1
+    assert tiny.run(tmp_path / "out", store, jobs, after=change_it, whole=whole) == 1
     assert "changed while the study ran" in capsys.readouterr().err
     assert not (tmp_path / "out" / "manifest.json").exists()
     assert len(list(store.entries())) == 1

@@ -7,12 +7,15 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
+from threading import Event
 from types import SimpleNamespace
+from unittest.mock import patch
 
 import psutil
 import pytest
@@ -22,7 +25,7 @@ from data_collection.processor import PINNED
 from tests.synthetic import write_own_study
 from tests.workflow.runs import command, hashes, run
 from workflow.artifacts.provenance import ROOT
-from workflow.execution import forks
+from workflow.execution import forks, plugins
 
 SCRIPTS = sorted((ROOT / "workflow" / "scripts").glob("*.py"))
 
@@ -33,6 +36,16 @@ def in_forks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     monkeypatch.chdir(tmp_path)
     forks.preload([ROOT / "workflow" / "scripts" / "scores.py"])
+    yield tmp_path
+    forks.stop()
+
+
+@pytest.fixture
+def in_light_forks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The same without any libraries."""
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    monkeypatch.chdir(tmp_path)
+    forks.preload([script(tmp_path, "")])
     yield tmp_path
     forks.stop()
 
@@ -89,6 +102,43 @@ def test_stopping_leaves_no_process(in_forks: Path) -> None:
     forks.stop()
     with pytest.raises(ProcessLookupError):
         os.kill(server, 0)
+
+
+def test_a_long_temporary_folder_is_no_hindrance(in_light_forks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The fork server's socket is elsewhere, and jobs use the folder as they should."""
+    forks.stop()
+    monkeypatch.delitem(multiprocessing.current_process()._config, "tempdir", raising=False)  # type: ignore[attr-defined]
+    long = in_light_forks / ("job_" * 20) / ("job_" * 20)
+    long.mkdir(parents=True)
+    monkeypatch.setenv("TMPDIR", str(long))
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    forks.preload([script(in_light_forks, "")])
+    text = "import tempfile; raise SystemExit(len(tempfile.gettempdir()) < 100)"
+    assert forks.run(script(in_light_forks, text)) == 0
+
+
+def test_a_server_that_is_killed_while_a_job_runs(in_light_forks: Path) -> None:
+    text = "import os, signal; os.kill(os.getppid(), signal.SIGKILL)"
+    assert forks.run(script(in_light_forks, text)) == forks.LOST
+
+
+def test_a_server_that_ends_as_it_begins(in_light_forks: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    forks.stop()
+    monkeypatch.delenv("LOADED_SCRIPTS")  # without which it fails
+    with pytest.raises(forks.ServerEndedError, match="the process that starts the jobs has ended"):
+        forks.run(script(in_light_forks, ""))
+
+
+@pytest.mark.parametrize("interrupted", [True, False])
+def test_what_keeps_jobs_from_starting_is_said_once(interrupted: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    executor = object.__new__(plugins._Forks)
+    executor._cancelled, executor._reported = Event(), set()
+    if interrupted:
+        executor._cancelled.set()
+    with patch.object(executor._cancelled, "wait", lambda _: interrupted):
+        for _ in range(3):
+            executor._report_once("it has ended")
+    assert capsys.readouterr().err == ("" if interrupted else "it has ended\n")
 
 
 def test_what_is_loaded_runs_no_thread() -> None:

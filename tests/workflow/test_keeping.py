@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.workflow import tiny
 from tests.workflow.tiny import carry_out as carry_out_in
 from tests.workflow.tiny import files, plan, work
 from workflow.artifacts.keys import hash_of, output_key
@@ -152,7 +153,7 @@ def test_a_dry_run_changes_nothing(run: Run, out: Path) -> None:
     assert keeper.decide(Plan(plan(seed=2), for_real=False)) == [0, 1, 2]
     assert (out / "scores.csv").read_text() == "damaged"
     assert (out / "manifest.json").is_file()
-    assert keeper.artifacts is None
+    assert keeper.planned == {}
 
 
 def test_a_job_names_a_damaged_input_and_removes_it(run: Run, out: Path) -> None:
@@ -194,3 +195,15 @@ def test_what_an_emptied_store_lost_is_put_back(out: Path, monkeypatch: pytest.M
     shutil.rmtree(store.folder)
     assert carry_out_in(Keeper(out, store), out, plan(), monkeypatch) == []
     assert len(list(store.entries())) == 3
+
+
+def test_a_store_that_is_too_small_is_not_filled_again_by_a_run_without_jobs(tmp_path: Path) -> None:
+    out, folder = tmp_path / "out", tmp_path / "cache"
+    assert tiny.run(out, Store(folder)) == 0
+    entries = sorted(Store(folder).entries(), key=lambda entry: entry.size)
+    limit = entries[-1].size + 1
+    assert tiny.run(out, Store(folder, limit)) == 0  # trims it
+    left = {entry.folder: entry.folder.stat().st_ctime_ns for entry in Store(folder).entries()}
+    assert 0 < len(left) < len(entries)
+    assert tiny.run(out, Store(folder, limit)) == 0
+    assert {entry.folder: entry.folder.stat().st_ctime_ns for entry in Store(folder).entries()} == left

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import re
 from pathlib import Path
@@ -96,6 +97,17 @@ def test_without_a_sound_manifest_nothing_is_verified(out: Path) -> None:
             read_manifest(out)
     (out / "manifest.json").unlink()
     with pytest.raises(ValueError, match="never run to its end"):
+        verify(out)
+    with pytest.raises(ValueError, match="there is no folder"):
+        verify(out / "nowhere")
+
+
+def test_a_manifest_that_may_not_be_read_is_not_a_missing_one(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> str:
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr(Path, "read_text", refuse)
+    with pytest.raises(ValueError, match=r"manifest\.json cannot be read: Permission denied"):
         verify(out)
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import io
 import json
 import threading
+import time
 from pathlib import Path
 
 import pytest
 
 from workflow.execution.dag import Job
-from workflow.execution.job import time_of
-from workflow.execution.progress import Progress, span
+from workflow.execution.job import CLEAR, time_of
+from workflow.execution.progress import Progress, span, working_at
 
 
 class Terminal(io.StringIO):
@@ -141,3 +142,24 @@ def test_the_time_of_a_job_is_in_the_last_line_of_its_log(tmp_path: Path) -> Non
     assert time_of(log) == took
     log.write_text("took long\nnothing", encoding="utf-8")
     assert time_of(log) is None
+
+
+def test_what_takes_long_is_named() -> None:
+    stream = io.StringIO()
+    with working_at("laying out the jobs", stream, silence=60):
+        pass
+    assert stream.getvalue() == ""
+    with working_at("laying out the jobs", stream, silence=0.01, every=0.01):
+        until = time.monotonic() + 10
+        while stream.getvalue().count("\n") < 2 and time.monotonic() < until:
+            time.sleep(0.01)
+    assert set(stream.getvalue().splitlines()) == {"laying out the jobs, 0 s so far"}
+
+
+def test_on_a_terminal_what_took_long_goes_away_again() -> None:
+    stream = Terminal()
+    with working_at("laying out the jobs", stream, silence=0.01):
+        until = time.monotonic() + 10
+        while not stream.getvalue() and time.monotonic() < until:
+            time.sleep(0.01)
+    assert stream.getvalue() == f"{CLEAR}laying out the jobs, 0 s so far{CLEAR}"

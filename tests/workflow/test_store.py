@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from workflow.__main__ import WRONG, main
 from workflow.artifacts.cache_options import default_folder, default_limit
 from workflow.artifacts.keys import job_key
 from workflow.artifacts.records import Record, content, read_record, records_of_job
 from workflow.artifacts.store import Store
+from workflow.command_line import WRONG, main
 
 OUTPUTS = {"table": "features/t.parquet", "logs": "mcap"}
 
@@ -227,4 +227,63 @@ def test_a_size_to_clean_to_is_read_like_the_limit(
         assert capsys.readouterr().err == f"--to={wrong}: must be a number of gibibytes, 0 to empty the cache\n"
     monkeypatch.setattr("sys.argv", ["workflow", "cache-clean", "--cache", str(tmp_path), "--to", "0.5"])
     assert main() == 0
-    assert capsys.readouterr().out == f"{tmp_path}: 0 jobs removed, 0.0 MiB freed\n"
+    assert capsys.readouterr().out == f"{tmp_path}: no jobs removed, 0.0 MiB freed\n"
+
+
+def test_a_full_store_takes_nothing_that_it_would_only_remove_again(store: Store, tmp_path: Path) -> None:
+    keys = {name: made(tmp_path / name, name) for name in "abc"}
+    for name in "ab":
+        assert store.put(*put(keys[name], tmp_path / name), only_if_room=True)
+    full = Store(store.folder, limit=sum(entry.size for entry in store.entries()) + 1)
+    assert not full.put(*put(keys["c"], tmp_path / "c"), only_if_room=True)
+    assert full.trim() == (0, 0)
+    assert full.put(*put(keys["c"], tmp_path / "c"))  # what was just made comes in for the least recently used
+    assert full.trim()[0] == 1
+    assert keys["c"][0] in full
+
+
+def put(one: tuple[str, dict[str, Record]], out: Path) -> tuple[str, Path, dict[str, Record]]:
+    """The arguments of `Store.put`."""
+    return one[0], out, one[1]
+
+
+def test_room_is_counted_as_it_is_filled(store: Store, tmp_path: Path) -> None:
+    first, second = (made(tmp_path / name, name) for name in "ab")
+    store.put(*put(first, tmp_path / "a"))
+    (entry,) = store.entries()
+    assert store.trim(0)[0] == 1
+    room = Store(store.folder, limit=2 * entry.size - 1)
+    assert room.put(*put(first, tmp_path / "a"), only_if_room=True)
+    assert not room.put(*put(second, tmp_path / "b"), only_if_room=True)
+
+
+def test_a_group_may_share_it(store: Store, tmp_path: Path) -> None:
+    """With umask 002 and a folder that gives its group to what is made in it, another member may clean up."""
+    store.folder.mkdir()
+    store.folder.chmod(0o2775)
+    before = os.umask(0o002)
+    try:
+        key, records = made(tmp_path / "out")
+        store.put(key, tmp_path / "out", records)
+    finally:
+        os.umask(before)
+    entry = store.folder / key[:2] / key
+    assert entry.stat().st_mode & 0o7777 == entry.parent.stat().st_mode & 0o7777 == 0o2775
+    assert all(file.stat().st_mode & 0o020 for file in entry.iterdir())
+
+
+def test_without_a_home_folder_there_is_no_cache(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("data_collection.user_folders.Path.home", no_home)
+    assert default_folder() is None
+    assert main(["cache-info"]) == 0
+    said = capsys.readouterr()
+    assert said.out == f"{os.devnull}: no jobs, 0.0 MiB of at most 0.0 MiB\n"
+    assert "CACHE or --cache names a folder" in said.err
+
+
+def no_home() -> Path:
+    raise RuntimeError("Could not determine home directory.")

@@ -69,7 +69,13 @@ def work(job: Job) -> None:
                     temporary.write_text(content)
 
 
-def run(out: Path, store: Store, jobs: list[Job] | None = None, after: Callable[[str], None] | None = None) -> int:
+def run(
+    out: Path,
+    store: Store,
+    jobs: list[Job] | None = None,
+    after: Callable[[str], None] | None = None,
+    whole: bool = True,
+) -> int:
     """Run the tiny study as `workflow.execution.runner` runs a study; its status.
 
     Args:
@@ -77,12 +83,13 @@ def run(out: Path, store: Store, jobs: list[Job] | None = None, after: Callable[
         store: Where artifacts are shared.
         jobs: Of the plan.
         after: Called with each rule when its job has finished.
+        whole: Whether these are all jobs of the study.
     """
     jobs = jobs or plan()
 
     def in_place_of_snakemake(arguments: Sequence[str], hooks: Hooks) -> int:
         with chdir(out):
-            for i in sorted(hooks.decide(Plan(jobs))):
+            for i in sorted(hooks.decide(Plan(jobs, whole=whole))):
                 try:
                     work(jobs[i])
                 except (OSError, DamagedError) as error:
@@ -113,6 +120,6 @@ def carry_out(keeper: Keeper, out: Path, jobs: list[Job], monkeypatch: object) -
     for i in sorted(needed):
         work(jobs[i])
         keeper.finished(jobs[i])
-    assert keeper.artifacts is not None
-    write_manifest(out, keeper.artifacts, patience=0)
+    assert keeper.whole
+    write_manifest(out, keeper.planned, patience=0)
     return [jobs[i].rule for i in sorted(needed)]

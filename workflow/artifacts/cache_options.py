@@ -5,17 +5,18 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from data_collection.user_folders import user_cache
+
 DEFAULT_GIB = 10.0
 
 
-def default_folder() -> Path:
-    """The folder that `CACHE` names, or else one in the user's cache folder."""
+def default_folder() -> Path | None:
+    """The folder that `CACHE` names, or else one in the user's cache folder; None where there is no such folder."""
     named = os.environ.get("CACHE")
     if named:
-        return Path(named).expanduser().absolute()
-    return (
-        Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "cross-situational-learning" / "artifacts"
-    )
+        return Path(os.path.expanduser(named)).absolute()  # noqa: PTH111 (no error where there is no home folder)
+    own = user_cache()
+    return None if own is None else own / "artifacts"
 
 
 def default_limit() -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import stat
 from pathlib import Path
 
 
@@ -17,6 +18,13 @@ def copy(source: Path, target: Path) -> None:
                 shutil.copyfile(path, target / path.relative_to(source))
     else:
         shutil.copyfile(source, target)
+
+
+def share(folder: Path) -> None:
+    """Open a folder that `mkdtemp` made to whom the umask lets in; it stays with the group of a shared folder."""
+    mask = os.umask(0)
+    os.umask(mask)
+    folder.chmod(folder.stat().st_mode & stat.S_ISGID | 0o777 & ~mask)
 
 
 def temporary_name(path: Path) -> Path:

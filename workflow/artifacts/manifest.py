@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from data_collection.console import counted
 from data_collection.files import write_text
 from workflow.artifacts.records import FOLDER, Content, Record, await_record, contents
 
@@ -27,22 +28,34 @@ def write_manifest(out: Path, artifacts: Mapping[str, str], patience: float = 30
     Raises:
         ValueError: An artifact has no record, or its key differs from the planned one.
     """
-    entries = {}
+    records = records_as_planned(out, artifacts, patience)
+    entries = {path: record.mapping() for path, record in records.items()}
+    text = json.dumps({"artifacts": entries}, sort_keys=True, indent=1, ensure_ascii=False)
+    write_text(out / MANIFEST, text + "\n")
+
+
+def records_as_planned(out: Path, artifacts: Mapping[str, str], patience: float = 30.0) -> dict[str, Record]:
+    """The records of artifacts by path, if they were made of what the run began with; arguments of `write_manifest`.
+
+    Raises:
+        ValueError: An artifact has no record, or its key differs from the planned one.
+    """
+    records = {}
     unplanned = []
     until = time.monotonic() + patience
     for path in sorted(artifacts):
         record = await_record(out, path, until - time.monotonic())
         if record is None:
             raise ValueError(f"{path} has no record (does its script run in `with job(snakemake)`?)")
-        entries[path] = record.mapping()
+        records[path] = record
         unplanned += [path] if record.key != artifacts[path] else []
     if unplanned:
+        many = counted(len(unplanned), "artifact is", "artifacts are")
         raise ValueError(
-            f"a file, a setting or code changed while the study ran: {len(unplanned)} artifacts are made of "
-            f"something else than it began with (the first: {unplanned[0]}); run again, and they are made anew"
+            f"a file, a setting or code changed while the study ran: {many} made of something else than it began "
+            f"with (the first: {unplanned[0]}); run again, and they are made anew"
         )
-    text = json.dumps({"artifacts": entries}, sort_keys=True, indent=1, ensure_ascii=False)
-    write_text(out / MANIFEST, text + "\n")
+    return records
 
 
 def read_manifest(out: Path) -> dict[str, Record]:
@@ -54,8 +67,11 @@ def read_manifest(out: Path) -> dict[str, Record]:
     try:
         data = json.loads((out / MANIFEST).read_text(encoding="utf-8"))
         return {path: Record.from_mapping(each) for path, each in data["artifacts"].items()}
-    except OSError:
-        raise ValueError(f"{out / MANIFEST} is missing: the study was never run to its end") from None
+    except FileNotFoundError:
+        why = "the study was never run to its end" if out.is_dir() else f"there is no folder {out}"
+        raise ValueError(f"{out / MANIFEST} is missing: {why}") from None
+    except OSError as error:
+        raise ValueError(f"{out / MANIFEST} cannot be read: {error.strerror}") from error
     except (ValueError, TypeError, KeyError, AttributeError) as error:
         raise ValueError(f"{out / MANIFEST} is damaged ({error}): run the study again to have it written") from error
 

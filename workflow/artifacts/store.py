@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from workflow.artifacts.cache_options import DEFAULT_GIB
-from workflow.artifacts.copies import copy, remove_any, temporary_name
+from workflow.artifacts.copies import copy, remove_any, share, temporary_name
 from workflow.artifacts.keys import hash_of
 from workflow.artifacts.records import FULL, Record, content, remove, write_record
 
@@ -49,11 +49,12 @@ class Store:
     folder: Path
     limit: int = int(DEFAULT_GIB * 2**30)
     _closed: set[str] = field(default_factory=set, repr=False)  # "written" or "read": what has failed
+    _room: int | None = field(default=None, repr=False)  # bytes up to the limit, once somebody asked
 
     def __contains__(self, key: str) -> bool:
         return os.path.isfile(self._entry(key) / "entry.json")  # noqa: PTH113 (no error if it is not readable)
 
-    def put(self, key: str, out: Path, records: Mapping[str, Record]) -> bool:
+    def put(self, key: str, out: Path, records: Mapping[str, Record], only_if_room: bool = False) -> bool:
         """Store the outputs of a job.
 
         If the folder cannot be written, or is full, one warning says so and the study goes on without the store.
@@ -62,12 +63,18 @@ class Store:
             key: The job's key.
             out: The output folder.
             records: The records of all its outputs, by path in `out`.
+            only_if_room: Whether to leave out what `trim` would only make room for by removing something.
 
         Returns:
             Whether the store has the entry now.
         """
         if self.limit == 0 or "written" in self._closed or key in self:
             return self.limit > 0 and key in self
+        listing = {path: record.mapping() for path, record in sorted(records.items())}
+        text = json.dumps({"outputs": listing, "sha256": hash_of(listing)})
+        size = sum(record.size for record in records.values()) + len(text.encode())
+        if only_if_room and not self._takes(size):
+            return False
         temporary: Path | None = None
         try:
             (self.folder / "tmp").mkdir(parents=True, exist_ok=True)
@@ -76,10 +83,8 @@ class Store:
                 copy(out / path, temporary / str(i))
                 if content(temporary / str(i)).sha256 != record.sha256:
                     return False  # changed since it was made; the next verification will say so
-            listing = {path: record.mapping() for path, record in sorted(records.items())}
-            text = json.dumps({"outputs": listing, "sha256": hash_of(listing)})
             (temporary / "entry.json").write_text(text, encoding="utf-8")
-            temporary.chmod(0o755)
+            share(temporary)
             self._entry(key).parent.mkdir(exist_ok=True)
             temporary.rename(self._entry(key))
         except OSError as error:
@@ -89,6 +94,8 @@ class Store:
         finally:
             if temporary is not None:
                 shutil.rmtree(temporary, ignore_errors=True)
+        if self._room is not None:
+            self._room -= size
         return True
 
     def fetch(self, key: str, out: Path, paths: Mapping[str, str]) -> bool:
@@ -182,6 +189,12 @@ class Store:
             if self._drop(entry.folder):
                 count, freed = count + 1, freed + entry.size
         return count, freed
+
+    def _takes(self, size: int) -> bool:
+        """Whether so many bytes more are within the limit, as far as this process knows."""
+        if self._room is None:
+            self._room = self.limit - sum(entry.size for entry in self.entries())
+        return size <= self._room
 
     def _entry(self, key: str) -> Path:
         return self.folder / key[:2] / key

@@ -12,7 +12,7 @@ from argparse import Namespace
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from contextlib import redirect_stderr
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +21,11 @@ from snakemake import cli
 from workflow.artifacts.provenance import ROOT
 from workflow.execution import forks, plugins
 from workflow.execution.dag import Job, Plan
+from workflow.execution.progress import working_at
 
 PROFILES = ROOT / "workflow" / "profiles"
 DEFAULT = "default"
+STAGES_OF_RULES = ("collect", "figures")  # whose rules are many, named by what each makes
 
 
 @dataclass(frozen=True)
@@ -49,10 +51,13 @@ def run(arguments: Sequence[str], hooks: Hooks) -> int:
         try:
             plugins.orders = plugins.Orders()
             changes_files = asked.touch or asked.delete_all_output or asked.delete_temp_output
+            stages = forced_stages(asked.forcerun)
+            asked = _changed(asked, forcerun=set(asked.forcerun) - stages)
             laying_out = asked if changes_files else _changed(asked, dryrun=True)
-            return 0 if cli.args_to_api(laying_out, parser) else 1  # the answer to a question such as --summary
+            with working_at("laying out the jobs"):
+                return 0 if cli.args_to_api(laying_out, parser) else 1  # the answer to a question such as --summary
         except plugins.LaidOut as laid_out:
-            jobs = laid_out.jobs
+            jobs = forced(laid_out.jobs, stages)
         part = asked.targets or asked.until or asked.omit_from or asked.batch
         chosen = [jobs[i] for i in sorted(hooks.decide(Plan(jobs, for_real=not asked.dryrun, whole=not part)))]
         if asked.dryrun:
@@ -72,6 +77,22 @@ def run(arguments: Sequence[str], hooks: Hooks) -> int:
     except (ValueError, OSError) as error:
         sys.stderr.write(f"{error}\n")
         return 1
+
+
+def forced_stages(asked: Collection[str] | None) -> set[str]:
+    """Of what `--forcerun` names, the stages that stand for all of their rules: each block of trials is a rule."""
+    return set(asked or ()) & set(STAGES_OF_RULES)
+
+
+def forced(jobs: Sequence[Job], stages: Collection[str]) -> list[Job]:
+    """The jobs, with those of some stages forced.
+
+    Raises:
+        ValueError: There is no job of a stage.
+    """
+    for stage in set(stages) - {job.stage for job in jobs}:
+        raise ValueError(f"--forcerun {stage}: this study has no such job")
+    return [replace(job, forced=job.forced or job.stage in stages) for job in jobs]
 
 
 def _parsed(arguments: Sequence[str]) -> tuple[Any, Namespace]:

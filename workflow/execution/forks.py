@@ -17,22 +17,46 @@ from multiprocessing.connection import wait
 from pathlib import Path
 from threading import Lock
 
+from workflow.execution.surroundings import short_temporary_folder
+
+LOST = 255  # the status of a fork whose server has ended, by which nobody knows its own
+ENDED = "the process that starts the jobs has ended: was it killed, perhaps for want of memory? --cores 1 needs less"
 _context = multiprocessing.get_context("forkserver")
 _one_at_a_time = Lock()  # to start processes, and to ask for their status
 
 
+class ServerEndedError(OSError):
+    """The process that starts the jobs has ended, so that this one was not started."""
+
+
 def preload(scripts: Iterable[Path]) -> None:
-    """Name the scripts that are going to run, before the first one does."""
+    """Start the process that loads what scripts import, before the first of them runs.
+
+    Raises:
+        ValueError: There is no folder for its socket.
+    """
     os.environ["LOADED_SCRIPTS"] = os.pathsep.join(sorted(map(str, scripts)))
     _context.set_forkserver_preload(["workflow.execution.loaded"])
+    with short_temporary_folder():
+        forkserver.ensure_running()
 
 
 def run(script: Path, snakemake: object = None) -> int:
-    """Run a script in a fork, with what Snakemake gives it; its exit status, or minus the signal that ended it."""
+    """Run a script in a fork, with what Snakemake gives it.
+
+    Returns:
+        Its exit status, or minus the signal that ended it, or `LOST`.
+
+    Raises:
+        ServerEndedError: The process that starts the jobs has ended.
+    """
     names = {"init_globals": {"snakemake": snakemake}, "run_name": "__main__"}
     process = _context.Process(target=runpy.run_path, args=(str(script),), kwargs=names)
     with _one_at_a_time:
-        process.start()
+        try:
+            process.start()
+        except (EOFError, ConnectionError) as error:
+            raise ServerEndedError(ENDED) from error
     wait([process.sentinel])
     with _one_at_a_time:
         process.join()

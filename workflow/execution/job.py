@@ -14,6 +14,7 @@ import time
 import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
@@ -46,11 +47,14 @@ def job(snakemake: Any) -> Iterator[tuple[Any, Any]]:
     began, start_up = time.perf_counter(), time.process_time()  # the latter counts from the start of the process
     sys.stdout.flush()
     sys.stderr.flush()
-    screen = os.fdopen(os.dup(2), "w")
+    screen = os.fdopen(os.dup(2), "w", errors="backslashreplace")
     clear = CLEAR if screen.isatty() else ""
     with Path(log).open("w") as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, TextIOWrapper):  # a log has any word, whatever the terminal can show
+                stream.reconfigure(encoding="utf-8", errors="backslashreplace")
         to_screen = logging.StreamHandler(screen)
         to_screen.setLevel(logging.WARNING)
         to_screen.setFormatter(logging.Formatter(f"{clear}%(levelname)s %(message)s"))

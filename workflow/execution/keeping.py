@@ -12,23 +12,27 @@ from functools import cache
 from itertools import count
 from pathlib import Path
 
+from data_collection.console import counted
 from workflow.artifacts.keys import output_key
 from workflow.artifacts.manifest import CHANGED, MANIFEST
 from workflow.artifacts.records import Record, content, contents, read_record, remove
 from workflow.artifacts.store import Store
 from workflow.execution.dag import Job, Plan, keys_of
+from workflow.execution.progress import working_at
 
 
 class Keeper:
     """Brings an output folder in line with a plan; its methods are hooks of `workflow.execution.engine`.
 
     Attributes:
-        artifacts: The keys of all artifacts of a study by path; None until a whole study is planned for real.
+        planned: The keys of the artifacts of a plan by path; empty until one is for real.
+        whole: Whether these are all artifacts of the study.
         complete: False if an artifact was removed because its code changed.
     """
 
     def __init__(self, out: Path, store: Store) -> None:
-        self.artifacts: dict[str, str] | None = None
+        self.planned: dict[str, str] = {}
+        self.whole = False
         self.complete = True
         self._out = out
         self._store = store
@@ -41,43 +45,50 @@ class Keeper:
         in place, and no artifact is left older than its inputs.
         """
         jobs, for_real = plan.jobs, plan.for_real
-        keys = keys_of(jobs, cache(lambda path: content(Path(path)).sha256))
-        judged = _judge(self._out, jobs, keys)
+        with working_at(f"comparing the artifacts of {counted(len(jobs), 'job')} with their checksums"):
+            keys = keys_of(jobs, cache(lambda path: content(Path(path)).sha256))
+            judged = _judge(self._out, jobs, keys)
         for path in judged.damaged:
             _say(f"damaged: {path}, will be made again")
         for rule, number in judged.stale.items():
             _say(f"stale: {number} of rule {rule}, made by other code, settings or inputs")
         restored: list[int] = []
         needed: list[int] = []
-        for i, (job, key) in enumerate(zip(jobs, keys, strict=True)):
-            records = {path: judged.sound[path] for path in job.outputs.values() if path in judged.sound}
-            if len(records) == len(job.outputs) and not job.forced:
-                if for_real and key not in self._store:
-                    self._store.put(key, self._out, records)
-                continue
-            if for_real:
-                for path in job.outputs.values():
-                    _set_aside(self._out, path)
-                    remove(self._out, path)
-                fetched = not job.forced and self._store.fetch(key, self._out, job.outputs)
-            else:
-                fetched = not job.forced and key in self._store
-            (restored if fetched else needed).append(i)
+        with working_at("looking for artifacts in the cache"):
+            for i, (job, key) in enumerate(zip(jobs, keys, strict=True)):
+                records = {path: judged.sound[path] for path in job.outputs.values() if path in judged.sound}
+                if len(records) == len(job.outputs) and not job.forced:
+                    if for_real:
+                        self._store.put(key, self._out, records, only_if_room=True)
+                else:
+                    (restored if self._restored(job, key, for_real) else needed).append(i)
         if for_real:
             _order_times(self._out, jobs)
         kept = len(jobs) - len(restored) - len(needed)
-        _say(f"artifacts of {kept} jobs are kept, of {len(restored)} come from the cache, of {len(needed)} are made")
+        _say(
+            f"artifacts of {kept} {'job' if kept == 1 else 'jobs'} are kept, of {len(restored)} come from the cache, "
+            f"of {len(needed)} are made"
+        )
         if for_real:
-            if plan.whole:
-                self.artifacts = {
-                    path: output_key(key, role)
-                    for job, key in zip(jobs, keys, strict=True)
-                    for role, path in job.outputs.items()
-                }
+            self.whole = plan.whole
+            self.planned = {
+                path: output_key(key, role)
+                for job, key in zip(jobs, keys, strict=True)
+                for role, path in job.outputs.items()
+            }
             self._keys = {path: key for job, key in zip(jobs, keys, strict=True) for path in job.outputs.values()}
             if restored or needed:
                 (self._out / MANIFEST).unlink(missing_ok=True)  # it describes another state
         return needed
+
+    def _restored(self, job: Job, key: str, for_real: bool) -> bool:
+        """Whether the store has what a job makes; if for real, it is put in place, or nothing is."""
+        if not for_real:
+            return not job.forced and key in self._store
+        for path in job.outputs.values():
+            _set_aside(self._out, path)
+            remove(self._out, path)
+        return not job.forced and self._store.fetch(key, self._out, job.outputs)
 
     def finished(self, job: Job, same_code: bool = True) -> None:
         """Put the outputs of a job into the store, or remove them if its code has changed since it was planned."""

@@ -3,8 +3,12 @@
 import ast
 import contextlib
 import importlib
+import logging
 import os
+import signal
+import sys
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 
 from workflow.artifacts.provenance import imported_files, imported_names
@@ -28,10 +32,29 @@ def load(scripts: list[Path]) -> None:
     if "model.fitting" in names:
         from model.fitting import load_compiled
 
-        load_compiled()
+        with _shown("model.compiled"):
+            load_compiled()
 
 
-try:
-    load([Path(script) for script in os.environ["LOADED_SCRIPTS"].split(os.pathsep)])
-except KeyboardInterrupt:  # the run reports that
-    raise SystemExit(1) from None
+@contextlib.contextmanager
+def _shown(name: str) -> Iterator[None]:
+    """Show on the screen what a module says while the block lasts: compiling takes a minute or two."""
+    from workflow.execution.job import CLEAR
+
+    handler = logging.StreamHandler()
+    handler.setFormatter(logging.Formatter(f"{CLEAR if sys.stderr.isatty() else ''}%(message)s, a minute or two"))
+    logger = logging.getLogger(name)
+    level = logger.level
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(level)
+
+
+# An interrupt ends this process without a word, since the run has one; the forks handle theirs again.
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+load([Path(script) for script in os.environ["LOADED_SCRIPTS"].split(os.pathsep)])
+signal.signal(signal.SIGINT, signal.default_int_handler)

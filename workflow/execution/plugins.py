@@ -12,6 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from signal import Signals
+from threading import Event
 from types import SimpleNamespace
 from typing import Any
 
@@ -136,6 +137,8 @@ class _Forks(_Reporting, AbstractExecutor):  # type: ignore[misc]
     def __init__(self, workflow: Any, logger: Any) -> None:
         super().__init__(workflow, logger)
         self._pool = ThreadPoolExecutor(workflow.resource_settings.cores)
+        self._cancelled = Event()
+        self._reported: set[str] = set()
 
     def run_job(self, job: Any) -> None:
         info = SubmittedJobInfo(job)
@@ -146,14 +149,23 @@ class _Forks(_Reporting, AbstractExecutor):  # type: ignore[misc]
         try:
             succeeded = _succeeds(info.job)
         except Exception as error:  # such as a full disk; Snakemake would wait for the job forever
-            sys.stderr.write(f"{error}\n")
+            self._report_once(f"{error or type(error).__name__}")
             succeeded = False
         (self.report_job_success if succeeded else self.report_job_error)(info)
+
+    def _report_once(self, fault: str) -> None:
+        """Say what keeps jobs from starting, once for all of them, and not of jobs that an interrupt stops."""
+        # An interrupt ends the process that starts jobs as well, perhaps before it is known here.
+        if fault not in self._reported and not self._cancelled.wait(1.0):
+            self._reported.add(fault)
+            sys.stderr.write(f"{fault}\n")
 
     def shutdown(self) -> None:
         self._pool.shutdown()
 
-    cancel = shutdown
+    def cancel(self) -> None:
+        self._cancelled.set()
+        self.shutdown()
 
     def handle_job_error(self, job: Any) -> None:
         """Do nothing: the job has reported it."""
@@ -176,8 +188,9 @@ def _succeeds(job: Any) -> bool:
         log=Log(job.log, plainstr=True),
     )
     status = forks.run(ours.script, given)
-    if status < 0:  # it could not say why by itself
-        ended = f"rule {ours.rule} was ended by {Signals(-status).name}"
+    if status < 0 or status == forks.LOST:  # it could not say why by itself
+        why = f": {forks.ENDED}" if status == forks.LOST else f" was ended by {Signals(-status).name}"
+        ended = f"rule {ours.rule}{why}"
         sys.stderr.write(f"{ended}\n{last_lines(Path(ours.log))}(more in {ours.log})\n")
     return status == 0
 

@@ -8,13 +8,15 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from threading import Event, Lock, Thread
 from typing import TextIO
 
 from workflow.execution.job import CLEAR
 
 EVERY = 30.0  # seconds between lines that cannot be redrawn in place
+SILENCE = 5.0  # seconds after which what takes longer is named
 
 
 class Progress:
@@ -125,6 +127,40 @@ class Progress:
             line += f" in {span(self._clock() - self._began)}"
         self._stream.write(f"{CLEAR}{line}" if self._stream.isatty() else f"{line}\n")
         self._stream.flush()
+
+
+@contextmanager
+def working_at(
+    what: str, stream: TextIO | None = None, silence: float = SILENCE, every: float = EVERY
+) -> Iterator[None]:
+    """Say what is being done while the block lasts, if it lasts long: on a terminal one line that goes away again.
+
+    Args:
+        what: In words, as in `comparing 30,000 files`.
+        stream: Where to write.
+        silence: Seconds before the first line.
+        every: Seconds between further lines where they cannot be redrawn in place.
+    """
+    stream, began, ended = stream or sys.stderr, time.monotonic(), Event()
+
+    def tell() -> None:
+        pause = silence
+        while not ended.wait(pause):
+            line = f"{what}, {span(time.monotonic() - began)} so far"
+            stream.write(f"{CLEAR}{line}" if stream.isatty() else f"{line}\n")
+            stream.flush()
+            pause = 1.0 if stream.isatty() else every
+        if pause != silence and stream.isatty():
+            stream.write(CLEAR)
+            stream.flush()
+
+    teller = Thread(target=tell, daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        teller.join()
 
 
 def span(seconds: float) -> str:

@@ -6,21 +6,23 @@ import logging
 import os
 import shutil
 import sys
+import tempfile
 import time
 from collections.abc import Collection, Sequence
 from contextlib import suppress
 from pathlib import Path
 
 from workflow.artifacts.copies import remove_any
-from workflow.artifacts.manifest import write_manifest
+from workflow.artifacts.manifest import records_as_planned, write_manifest
 from workflow.artifacts.provenance import ROOT
-from workflow.artifacts.records import FOLDER
+from workflow.artifacts.records import FOLDER, FULL
 from workflow.artifacts.store import Store
 from workflow.execution import engine
 from workflow.execution.dag import Job, Plan
 from workflow.execution.job import time_line, time_of
 from workflow.execution.keeping import Keeper
 from workflow.execution.progress import Progress
+from workflow.execution.surroundings import settle
 from workflow.execution.turns import RUNNING, turn_of_run
 from workflow.plan.config import keep_config
 
@@ -44,7 +46,8 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
         The exit status: 0, 1 if a job failed or was stopped, or 3 if another run is using the folder.
     """
     out = out.resolve()
-    out.mkdir(parents=True, exist_ok=True)
+    _make_folder(out)
+    settle(out)
     _show_warnings()
     if _is_full(out):
         return FAILED
@@ -66,19 +69,37 @@ def run(config: Path, out: Path, cores: int | None, profile: str, more: Sequence
                 log.write_text(time_line(0.0, time.monotonic() - began, time_of(log)), encoding="utf-8")
         if not keeper.complete:
             status = FAILED
-        if status == 0 and keeper.artifacts is not None:
+        if status == 0 and keeper.planned:
             try:
-                write_manifest(out, keeper.artifacts)
+                (write_manifest if keeper.whole else records_as_planned)(out, keeper.planned)
             except (ValueError, OSError) as error:
-                sys.stderr.write(f"{out}, manifest: {error}\n")
+                sys.stderr.write(f"{out}: {error}\n")
                 status = FAILED
         store.trim()
-        if status == 0 and REPORT in (keeper.artifacts or ()):
+        if status == 0 and REPORT in keeper.planned:
             sys.stderr.write(f"look at {out / REPORT}\n")
         elif status != 0:
             _is_full(out)
             sys.stderr.write("stopped; what is done is kept, and the next run goes on with the rest\n")
         return status
+
+
+def _make_folder(out: Path) -> None:
+    """Make the output folder.
+
+    Raises:
+        OSError: It cannot be made or written; the message says what helps.
+    """
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out):
+            pass
+    except FileExistsError:
+        raise NotADirectoryError(f"{out}: is a file, not a folder; name another --out") from None
+    except OSError as error:
+        if error.errno in FULL:
+            return  # which is reported with what helps
+        raise OSError(f"{out}: cannot be written ({error.strerror}); name another --out") from error
 
 
 def _hooks(out: Path, keeper: Keeper, progress: Progress) -> engine.Hooks:

@@ -1,14 +1,16 @@
-"""The reference of all config keys, and the JSON schema for editors: `make docs`."""
+"""The reference of all config keys as a page to read, and the JSON schema for editors: `make docs`."""
 
 from __future__ import annotations
 
 import json
 import sys
 from collections.abc import Iterator
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 from data_collection.files import replacing
+from data_collection.limits import NAME_RULE, WORD_RULE
 from workflow.plan.checks import MAX_FITS
 from workflow.plan.config import MAX_CONFIG_BYTES, MAX_CONFIG_VALUES
 from workflow.plan.schema import Schema, allowed, config_schema, inner, meaning_of, resolved
@@ -33,15 +35,35 @@ with
 ```yaml
 # yaml-language-server: $schema=config.schema.json
 ```
+
+Each key is followed by what it means and, in italics, what is allowed and what holds where it is left out.
+A *name* is {name}.
+A *word* is {word}.
+
+```yaml
+samplers:                       # by a name of your choice
+  published: {{kind: blocked}}
+experiments:
+  mine:                         # NAME below: a name of your choice
+    words: {{action: [push, lift], position: [left, right], object: [mug, plate], color: [red, blue]}}
+    features: {{trials: trials.parquet, objects: objects.parquet}}
+    D: [20]
+```
 """
 
 
 def reference() -> str:
-    """The whole page as Markdown: a section for each mapping of the config, a row for each key."""
-    lines = [HEAD.format(bytes=MAX_CONFIG_BYTES, values=MAX_CONFIG_VALUES, fits=MAX_FITS)]
-    for path, schema in _sections("", config_schema()):
-        lines += _section(path, schema)
-    return "\n".join(lines)
+    """The whole page as Markdown: the mappings of the config as an outline, then a section for each with its keys."""
+    rules = {"name": NAME_RULE, "word": WORD_RULE}
+    lines = [HEAD.format(bytes=MAX_CONFIG_BYTES, values=MAX_CONFIG_VALUES, fits=MAX_FITS, **rules), "## Outline", ""]
+    sections = list(_sections("", config_schema()))
+    lines += [f"{'  ' * _depth(path)}- [{_last(path)}](#{_anchor(path)})" for path, _ in sections if path]
+    told: dict[str, Schema] = {}
+    for path, schema in sections:
+        group = path.partition(" (kind: ")[0]
+        lines += ["", *_section(path, schema, told.get(group, {}))]
+        told.setdefault(group, schema)
+    return "\n".join(lines) + "\n"
 
 
 def _sections(path: str, schema: Schema) -> Iterator[tuple[str, Schema]]:
@@ -69,25 +91,57 @@ def _below(key: str, schema: Schema) -> Iterator[tuple[str, Schema]]:
             yield f"{key}{suffix} (kind: {kind})", resolved({"$ref": target})
 
 
-def _section(path: str, schema: Schema) -> list[str]:
-    """The lines of one section; keys that are the same at the top of the config are not told again."""
+def _section(path: str, schema: Schema, sibling: Schema) -> list[str]:
+    """The lines of one section, with keys that mean the same told once.
+
+    Args:
+        path: Its place in the config.
+        schema: Its schema.
+        sibling: The schema of another kind of the same, which has been told before; empty if there is none.
+    """
     keys = _own_keys(path, schema)
-    lines = [f"## {path or 'The whole config'}", ""]
+    lines = [f"{'#' * min(4, 2 + _depth(path))} {path or 'The whole config'}", ""]
     if meaning := schema.get("description"):
         lines += [f"{_sentence(meaning)}", ""]
     if len(keys) < len(schema["properties"]):
         again = ", ".join(f"`{key}`" for key in schema["properties"] if key not in keys)
         lines += [f"Beside these, for this experiment alone: {again}.", ""]
-    lines += ["| key | allowed | default | meaning |", "| --- | --- | --- | --- |"]
-    for key in keys:
-        value = inner(schema, key)
-        places = [f"{path}.{below}".removeprefix(".") for below, _ in _below(key, value)]
-        links = ", ".join(f"[{place}](#{_anchor(place)})" for place in places)
-        shown = f"`{_literal(value['default'])}`" if value.get("default", []) != [] and not links else ""
-        shown = "required" if key in schema.get("required", ()) or "const" in value else shown
-        cells = (f"`{key}`", links or allowed(value), shown, meaning_of(value))
-        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
-    return [*lines, ""]
+    before = sibling.get("properties", {})
+    if same := [key for key in keys if key in before and before[key] == schema["properties"][key]]:
+        kind = before["kind"]["const"]
+        lines += [f"As for kind `{kind}`: {', '.join(f'`{key}`' for key in same)}.", ""]
+    entries = [(key, _entry(path, schema, key)) for key in keys if key not in same]
+    for entry, group in groupby(entries, key=lambda pair: pair[1]):
+        names = ", ".join(f"`{key}`" for key, _ in group)
+        lines.append(f"- {names}{entry}")
+    return lines
+
+
+def _entry(path: str, schema: Schema, key: str) -> str:
+    """What follows a key: what it means, what is allowed, and what holds where it is left out."""
+    value = inner(schema, key)
+    meaning = f" — {meaning_of(value)}" if meaning_of(value) else ""
+    places = [f"{path}.{below}".removeprefix(".") for below, _ in _below(key, value)]
+    if places:
+        links = ", ".join(f"[{_last(place)}](#{_anchor(place)})" for place in places)
+        return f"{meaning}: {links}" + (" *required*" if key in schema.get("required", ()) else "")
+    values = allowed(value).replace(f"a word: {WORD_RULE}", "a word").replace(NAME_RULE, "a name")
+    values = f"{values[0].upper()}{values[1:]}"
+    if key in schema.get("required", ()) or "const" in value:
+        return f"{meaning}. *{values}; required*"
+    default = f"; `{_literal(value['default'])}` by default" if value.get("default", []) != [] else ""
+    return f"{meaning}. *{values}{default}*"
+
+
+def _depth(path: str) -> int:
+    """How deep a mapping is below the top of the config; a name of one's own is no level."""
+    return len([part for part in path.partition(" (")[0].split(".") if part != "NAME"]) - 1 if path else 0
+
+
+def _last(path: str) -> str:
+    """The last part of the place of a mapping, with the key of what has a name of one's own."""
+    parts = path.split(".")
+    return ".".join(parts[-2:]) if parts[-1].startswith("NAME") else parts[-1]
 
 
 def _anchor(heading: str) -> str:
