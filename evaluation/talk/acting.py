@@ -23,7 +23,7 @@ from evaluation.talk.understanding import Understanding
 from features.percepts import with_action
 from features.transforms import apply
 
-WIDTH, HEIGHT, PICTURES = 400, 300, 20
+WIDTH, HEIGHT, PICTURES = 360, 270, 14
 """Of a clip: columns and rows of its pictures, pixels, and about how many there are."""
 NANOSECONDS = 1e9
 

@@ -130,7 +130,7 @@ def _asked(options: argparse.Namespace, set_name: SetName) -> tuple[Robot, Scene
 def _write_clip(path: Path, pictures: Sequence[Picture]) -> None:
     from data_collection.image_files import save_gif
 
-    save_gif(path, [picture.image for picture in pictures], rate=7.0, hold=2.0)
+    save_gif(path, [picture.image for picture in pictures], rate=5.0, hold=2.0)
     _say([f"{path}: the clip"])
 
 

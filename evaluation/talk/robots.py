@@ -44,8 +44,8 @@ class RobotName:
     def label(self) -> str:
         """What people read."""
         more = "" if self.variant == "default" else f", {self.variant}"
-        said = f"D {self.D}, ROW {self.ROW} %, {self.sampler}, seed {self.seed}"
-        return f"{METHODS[self.method].label}{more}, {self.experiment}, {said}"
+        said = f"{self.experiment}, D {self.D}, ROW {self.ROW} %, {self.sampler}"
+        return f"{METHODS[self.method].label}{more}, seed {self.seed}, {said}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from model.prediction import LONGEST_INSTRUCTION, Answer, responsibilities, unde
 
 MOST_CHARACTERS = 1_000
 """A longer sentence is not read."""
-MOST_FRAMED = 6
+MOST_FRAMED = 8
 """Of more known words the channels are not told: the sum over their frames would take seconds."""
 
 

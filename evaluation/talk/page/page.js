@@ -3,8 +3,8 @@
 // Everything that is shown goes in as text: no sentence and no file can become a part of the page.
 
 const $ = (id) => document.getElementById(id);
-const MOST_BARS = 5, PAUSE = 150, MOST_HISTORY = 50;
-const PLAY = 140; // ms between the pictures of a clip that is played again
+const MOST_BARS = 5, LEAST_BAR = 0.01, PAUSE = 150, MOST_HISTORY = 50;
+const PLAY = 200; // ms between the pictures of a clip that is played again
 const state = { robots: [], scene: null, seen: null, asked: 0, looked: 0, running: new Map(), draws: 0 };
 
 function made(name, text = "", className = "") {
@@ -180,7 +180,8 @@ function show(one, heard, robot) {
   const sight = one.querySelector(".sight");
   sight.querySelector("svg")?.remove();
   sight.append(state.seen.image ? picture(heard) : map(heard));
-  const best = [...heard.categories].sort((a, b) => b.probability - a.probability).slice(0, MOST_BARS);
+  const best = [...heard.categories].sort((a, b) => b.probability - a.probability).slice(0, MOST_BARS)
+    .filter((category, place) => place < 1 || category.probability >= LEAST_BAR);
   one.querySelector(".bars").replaceChildren(...best.map((category) => {
     const item = made("li"), bar = made("span", "", "bar"), filled = made("i");
     filled.style.width = `${100 * category.probability}%`;
