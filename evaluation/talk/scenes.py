@@ -10,7 +10,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-from data_collection.episode import collect
 from data_collection.log.mcap_log import Log, read_log
 from data_collection.log.trial import observation
 from data_collection.simulation_settings import Simulation
@@ -18,7 +17,6 @@ from evaluation.talk.robots import Robot, TalkError
 from features.extraction_settings import FeatureSettings
 from features.object_feature import weights_provenance
 from features.percept_data import Percepts, load_percepts, only
-from features.percepts import DetectionError, perceive
 from features.table import FeatureTable, read_table
 from features.transforms import Transforms, apply
 
@@ -152,6 +150,10 @@ class Scenes:
 
     def _draw(self, robot: Robot, name: SceneName, set_name: SetName) -> Scene:
         simulation, calibration, transforms = self.simulation, self.calibration, robot.transforms
+        # Loaded for new scenes only: whoever asks about another one need not wait for it.
+        from data_collection.episode import collect
+        from features.percepts import DetectionError, perceive
+
         if simulation is None or calibration is None or transforms is None:
             raise TalkError(f"{self.data}: scenes are not simulated, so that none can be drawn")
         if not 1 <= name.number <= MOST_DRAWN:

@@ -44,7 +44,7 @@ def listed(fit: Fit, objects: dict[str, Floats], words: list[str]) -> Floats:
         if max(counts) > limit or frame.count(-1) != surplus:
             continue
         for m in range(len(weights[0])):
-            p = np.prod([1 / len(vocabulary)] * surplus)
+            p = float(len(vocabulary)) ** -surplus
             for c in range(C):
                 own = [w for w, x in zip(known, frame, strict=True) if x == c]
                 share = np.exp(state.log_weights[0]) if c == 0 else np.exp(weights[c - 1][m])

@@ -57,7 +57,7 @@ class InstantQueue(Queue):
 
 def asked(method: str, path: str, body: bytes = b"", headers: Mapping[str, str] | None = None) -> tuple[int, Any]:
     """The status of an answer of the server, and its headers."""
-    app = application(NobodyToTalkTo(), InstantQueue())  # type: ignore[arg-type]
+    app = application(NobodyToTalkTo(), InstantQueue())
     given = {"host": "127.0.0.1:8321", "content-length": str(len(body))} | dict(headers or {})
     answers: list[Message] = []
 
@@ -143,7 +143,7 @@ def test_too_many_requests_wait_a_second() -> None:
 
     async def ask(times: int) -> None:
         for _ in range(times):
-            await guard({"type": "http", "headers": []}, None, send)  # type: ignore[arg-type]
+            await guard({"type": "http", "headers": []}, None, send)
 
     guard = Guard(app, clock=lambda: now)
     anyio.run(ask, int(BURST) + 1)
