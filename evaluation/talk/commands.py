@@ -83,7 +83,7 @@ def _tell(options: argparse.Namespace) -> int:
     scene = scenes.scene(robot, name)
     table, row = scenes.features(robot, scene)
     understood = hear(robot, table, row, options.sentence)
-    _say([f"{robot.name.label}; {name}"], told(understood, table, row, METHODS[robot.name.method].label))
+    _say([f"{robot.name.label}; {name}"], told(understood, table, row, METHODS[robot.name.method]))
     if options.no_action:
         return 0
     from evaluation.talk.acting import obey, reason_not_to_act

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from evaluation.talk.understanding import Understanding, Word
+from evaluation.talk.understanding import MOST_FRAMED, Understanding, Word
 from features.table import FeatureTable
+from model import Method
 
 if TYPE_CHECKING:  # what is understood is told before the simulation is loaded
     from evaluation.talk.acting import Deed
@@ -17,14 +18,14 @@ MOST_CATEGORIES = 4
 """So many action categories are told, the most probable ones."""
 
 
-def told(understood: Understanding, table: FeatureTable, row: int, method: str) -> Iterator[str]:
+def told(understood: Understanding, table: FeatureTable, row: int, method: Method) -> Iterator[str]:
     """Lines that say what a robot makes of a sentence.
 
     Args:
         understood: What it makes of it.
         table: The features of scenes.
         row: Of the scene.
-        method: What the robot learned by, as tables call it.
+        method: What the robot learned by.
     """
     yield f"heard: {understood.sentence or '(nothing)'}"
     width = max((len(word.text) for word in understood.words), default=0)
@@ -60,13 +61,14 @@ def _outcome(deed: Deed) -> str:
     return f" ({', '.join(told)})" if told else ""
 
 
-def _channel(word: Word, method: str) -> str:
+def _channel(word: Word, method: Method) -> str:
     if not word.known:
         return "unknown: the robot never heard it, and leaves it out"
-    if word.channel is None:
-        return f"every channel explains it: {method} has no frames" if word.channels is None else ""
-    name, probability = word.channel
-    others = [f"{other} {share:.0%}" for other, share in (word.channels or {}).items() if other != name]
+    if word.channels is None:
+        too_many = f"the channels of more than {MOST_FRAMED} known words are not told"
+        return too_many if method.has_frames else f"every channel explains it: {method.label} has no frames"
+    name, probability = max(word.channels.items(), key=lambda one: one[1])
+    others = [f"{other} {share:.0%}" for other, share in word.channels.items() if other != name]
     return f"{name:8} {_per_cent(probability)}  ({', '.join(others)})"
 
 

@@ -38,11 +38,6 @@ class Word:
     known: bool
     channels: Mapping[str, float] | None
 
-    @property
-    def channel(self) -> tuple[str, float] | None:
-        """The most probable channel and its probability."""
-        return None if self.channels is None else max(self.channels.items(), key=lambda one: one[1])
-
 
 @dataclass(frozen=True, eq=False)
 class Understanding:

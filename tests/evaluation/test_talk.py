@@ -175,6 +175,13 @@ def test_own_features_are_understood_and_not_acted_on(
     assert not clip.exists()
 
 
+def test_why_no_channels_are_told(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["tell", str(own), "cup " * 9, "--no-action"]) == 0
+    assert capsys.readouterr().out.count("the channels of more than 8 known words are not told") == 9
+    assert main(["tell", str(own), "cup", "--method", "mmlda", "--no-action"]) == 0
+    assert "every channel explains it: (C) mMLDA has no frames" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
