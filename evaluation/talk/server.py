@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
 import uvicorn
@@ -115,5 +115,6 @@ def serve(results: Path, port: int, weights: Path | None) -> int:
         )  # fmt: skip
         sys.stdout.write(f"http://{HOST}:{listening.getsockname()[1]}/  (Ctrl-C ends it)\n")
         sys.stdout.flush()
-        uvicorn.Server(config).run(sockets=[listening])
+        with suppress(KeyboardInterrupt):  # it has ended as it was asked to
+            uvicorn.Server(config).run(sockets=[listening])
     return 0
