@@ -1,6 +1,7 @@
 # make study   the whole study: tables and figures in results/
 # make claims  what it takes to answer the paper's claims: several data sets, in results/claims
 # make smoke   a tiny study through every stage, in about a minute
+# make talk    a page on which to talk to the robots of a study
 # make verify  whether every artifact is what it was when it was made
 # make test    the tests
 # make compare   which results differ from results/reference by more than the seeds explain
@@ -8,6 +9,7 @@
 CONFIG ?= config/config.yaml
 OUT ?= results
 CORES ?=
+PORT ?= 8321
 PROFILE ?= default
 RUN = $(PYTHON) -m workflow run --profile $(PROFILE) $(if $(CORES),--cores $(CORES))
 
@@ -19,7 +21,7 @@ BENCH_FILES = $(foreach trials,$(BENCH_TRIALS:%=$(OUT)/bench/study/%),$(trials) 
 SOURCES := data_collection features model evaluation workflow tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study claims smoke snakemake-report compare verify cache-info cache-clean test test-slow lint format bench portable scale docs lock reference reference-bench clean
+.PHONY: help setup study claims smoke snakemake-report compare talk verify cache-info cache-clean test test-slow lint format bench portable scale docs lock reference reference-bench clean
 
 help:
 	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=n] [CACHE=folder]  run a study"
@@ -27,6 +29,7 @@ help:
 	@echo "make claims [OUT=$(OUT)/claims]   the paper's claims over several data sets (config/claims.yaml)"
 	@echo "make smoke [OUT=$(OUT)/smoke]   a tiny study through every stage"
 	@echo "make compare [OUT=$(OUT)]       which results differ from results/reference by more than the seeds explain"
+	@echo "make talk [OUT=$(OUT)] [PORT=$(PORT)]   a page, for this machine alone, on which to tell the robots of a study what to do"
 	@echo "make verify [OUT=$(OUT)]   hash every artifact again: what is missing, changed or unexplained"
 	@echo "make cache-info | cache-clean [CACHE=folder]   the cache of artifacts that all runs share"
 	@echo "make snakemake-report [CONFIG=…] [OUT=…]   the study, and Snakemake's own report of it (workflow, run times, results)"
@@ -69,6 +72,9 @@ smoke: $(READY)
 # Exits with 1 where something differs, with 2 where there is nothing to compare; make itself then says 2.
 compare: $(READY)
 	@$(PYTHON) -m evaluation compare $(OUT) results/reference
+
+talk: $(READY)
+	@$(PYTHON) -m evaluation talk $(OUT) --port $(PORT)
 
 verify: $(READY)
 	@$(PYTHON) -m workflow verify --out $(OUT)

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ from data_collection.seeding import generator
 from data_collection.simulation_settings import ACTION, Simulation
 from data_collection.simulator import scene
 from data_collection.simulator.camera import believed, expose
-from data_collection.simulator.recording import Recording
+from data_collection.simulator.recording import Recording, Sample
 from data_collection.simulator.world import World
 
 SETS = ("train", "generation", "description")
@@ -67,6 +67,7 @@ def execute(
     commands: Sequence[task.Command],
     provenance: Mapping[str, str],
     set_name: str = "generation",
+    watch: Callable[[Sample], None] | None = None,
 ) -> Iterator[Log]:
     """Carry out actions in the scenes of instructions, in one world; yield the log of what happened for each.
 
@@ -77,8 +78,9 @@ def execute(
         commands: What to do in the scene of which instruction.
         provenance: Further metadata of the logs.
         set_name: Set of the scenes.
+        watch: Is shown what the robot senses while it acts, sample by sample; it changes nothing.
     """
-    with World(simulation) as world:
+    with World(simulation, watch=watch) as world:
         for command in commands:
             told = {**provenance, "command": json.dumps(asdict(command), sort_keys=True)}
             yield _Trial(world, (experiment, set_name, command.trial), seed, told).obey(command)

@@ -1,24 +1,21 @@
 """A log as pictures: a strip of what the robot saw, and an animation of the robot from outside."""
 
-import json
 import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from data_collection import task
-from data_collection.apparatus import ObjectKind
 from data_collection.image_files import mosaic
 from data_collection.log import topics
-from data_collection.log.mcap_log import Log, LogError
+from data_collection.log.mcap_log import Log
 from data_collection.log.messages import Image, JointState
 from data_collection.log.trial import observation
 from data_collection.log.truth import truth
+from data_collection.outside import Outside
 from data_collection.simulation_settings import Simulation
 from data_collection.simulator import scene
 from data_collection.simulator.world import World
-
-_EYE, _TOWARDS = np.array([1.02, -0.46, 0.50]), np.array([0.14, -0.02, 0.06])
 
 _GAP = 32
 """Between two trials on a page, pixels."""
@@ -64,27 +61,15 @@ def animation(log: Log, *, width: int = 480, height: int = 360, every: int = 1) 
         LogError: The log is not sound, or is of a simulation with settings that this version does not know.
     """
     observation(log)
-    try:
-        settings = log.metadata.get("settings")
-        simulation = Simulation.model_validate(json.loads(settings)) if settings else Simulation()
-        placed = _placed(log)
-    except (KeyError, TypeError, ValueError, RecursionError) as error:
-        says = f"its settings or its {topics.TRUTH_SCENE} do not fit this version, to draw it ({error!r})"
-        raise LogError(f"{log.source}: {says}") from error
     states = [(message.time, message.value) for message in log.messages if message.topic == topics.JOINT_STATES]
     poses = {message.time: message.value for message in log.messages if message.topic == topics.TRUTH_POSES}
-    ahead = (_TOWARDS - _EYE) / np.linalg.norm(_TOWARDS - _EYE)
-    view = scene.View(_EYE, ahead, np.array([0.0, 0.0, 1.0]), width, height, 46.0)
-    frames = []
-    with World(simulation, whole_robot=True) as world:
-        world.set_up(placed, None)
-        taken = states[::every] + (states[-1:] if (len(states) - 1) % every else [])
-        for time, state in taken:
-            if isinstance(state, JointState):
-                at = poses.get(time) if world.objects else None
-                world.arrange(state.position, None if at is None else np.asarray(at, dtype=np.float64))
-                frames.append(world.photograph(view))
-    return frames
+    taken = states[::every] + (states[-1:] if (len(states) - 1) % every else [])
+    with Outside(log, width, height) as outside:
+        return [
+            outside.picture(state.position, None if (at := poses.get(time)) is None else np.asarray(at))
+            for time, state in taken
+            if isinstance(state, JointState)
+        ]
 
 
 def brief(log: Log, pictures: int = 9) -> list[Image]:
@@ -117,18 +102,3 @@ def gallery(simulation: Simulation, *, width: int = 900, height: int = 420) -> I
     with World(simulation) as world:
         world.set_up(placed, None)
         return world.photograph(scene.View(eye, ahead, np.array([0.0, 0.0, 1.0]), width, height, 34.0, near=0.25))
-
-
-def _placed(log: Log) -> list[task.Placed]:
-    text = next((str(message.value) for message in log.messages if message.topic == topics.TRUTH_SCENE), None)
-    if text is None or "settings" not in log.metadata:
-        return []
-    return [
-        task.Placed(
-            ObjectKind(**{key: item[key] for key in ObjectKind.model_fields}),
-            item["place"],
-            tuple(item["position"]),
-            float(item["turn"]),
-        )
-        for item in json.loads(text)["objects"]
-    ]

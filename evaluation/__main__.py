@@ -1,7 +1,8 @@
-"""Commands on what a study found: compare it with a reference, and count what people say of its clips.
+"""Commands on what a study found: compare it with a reference, count what people say of clips, talk to robots.
 
 `python -m evaluation compare results results/reference`
 `python -m evaluation ratings FORM.csv … --key KEY.csv`
+`python -m evaluation tell results "grasp the red cup"`, `describe results`, `talk results`
 """
 
 from __future__ import annotations
@@ -12,9 +13,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from data_collection.console import run_command
-from evaluation.ratings import RatingError, human_rates, read_forms, read_key
-from evaluation.scores import write_csv
-from evaluation.two_runs import compare_folders
+from data_collection.processor import begin_pinned
+from evaluation.talk import commands as talk
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -32,15 +32,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ratings.add_argument("forms", nargs="+", type=Path, metavar="FORM", help="CSV forms, one or more per rater")
     ratings.add_argument("--key", type=Path, required=True, help="which clip shows what: ratings/EXPERIMENT_key.csv")
     ratings.add_argument("--out", type=Path, help="write the rates as CSV, too (default: only print them)")
+    talk.add_commands(commands)
     options = parser.parse_args(arguments)
     try:
+        if options.command in talk.COMMANDS:
+            return talk.run(options)
         return _compare(options) if options.command == "compare" else _ratings(options)
-    except (OSError, RatingError, ValueError) as error:
+    except (OSError, ValueError) as error:
         sys.stderr.write(f"{error}\n")
         return 2
 
 
 def _compare(options: argparse.Namespace) -> int:
+    from evaluation.two_runs import compare_folders
+
     compared = compare_folders(options.results, options.reference)
     sys.stdout.write(compared.summary())
     if compared.nothing_in_common:
@@ -50,6 +55,9 @@ def _compare(options: argparse.Namespace) -> int:
 
 
 def _ratings(options: argparse.Namespace) -> int:
+    from evaluation.ratings import human_rates, read_forms, read_key
+    from evaluation.scores import write_csv
+
     key = read_key(options.key)
     rates = human_rates(read_forms(options.forms, key), key)
     if options.out is not None:
@@ -59,4 +67,5 @@ def _ratings(options: argparse.Namespace) -> int:
 
 
 if __name__ == "__main__":
+    begin_pinned()  # so that robots do what they did in the study
     sys.exit(run_command(main))

@@ -1,4 +1,7 @@
-"""The data sets of an experiment by name. Imports nothing, because the plan of a study reads it too."""
+"""The data sets of an experiment by name, and where fits are. Imports nothing: the plan of a study reads it too."""
+
+FIT_PATH = "fits/{experiment}/{variant}/{method}/{sampler}/D{D}/ROW{ROW}/seed{seed}.npz"
+"""Where a fit is, below the output folder; `experiment` is the name of a data set."""
 
 
 def data_set_name(experiment: str, dataset: int) -> str:

@@ -32,13 +32,7 @@ def describe_trials(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[
     Raises:
         ValueError: The robot learned without words.
     """
-    attended = {
-        "action": table.action,
-        "position": table.position[table.attended_row],
-        "object": table.object_feature[table.attended_row],
-        "color": table.color[table.attended_row],
-    }
-    spoken = {channel: describe(fit, channel, attended[channel]) for channel in FRAME}
+    spoken = spoken_of(fit, table)
     pairs = [
         (int(table.trial[d]), channel, word, spoken[channel][d])
         for d, sentence in enumerate(table.words)
@@ -47,6 +41,21 @@ def describe_trials(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[
         if word in words[channel]
     ]
     return pd.DataFrame(pairs, columns=COLUMNS)
+
+
+def spoken_of(fit: Fit, table: FeatureTable) -> dict[str, tuple[str, ...]]:
+    """What the robot says of each trial of a table with attended objects: by channel of `FRAME` a word per trial.
+
+    Raises:
+        ValueError: The robot learned without words.
+    """
+    attended = {
+        "action": table.action,
+        "position": table.position[table.attended_row],
+        "object": table.object_feature[table.attended_row],
+        "color": table.color[table.attended_row],
+    }
+    return {channel: describe(fit, channel, attended[channel]) for channel in FRAME}
 
 
 def read_descriptions(paths: Sequence[Path]) -> pd.DataFrame:

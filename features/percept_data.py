@@ -112,6 +112,34 @@ def first(percepts: Percepts, D: int) -> Percepts:
     return Percepts(**values)
 
 
+def only(percepts: Percepts, trial: int) -> Percepts:
+    """Return one trial with its objects.
+
+    Raises:
+        ValueError: There is no such trial, or it was dropped.
+    """
+    rows = np.flatnonzero(percepts.trial == trial)
+    if not len(rows):
+        raise ValueError(f"there is no trial {trial}; expected one of {percepts.trial.tolist()}")
+    row = int(rows[0])
+    own = percepts.trial_index == row
+    pixels = own[percepts.pixel_index]
+    kept: dict[str, Any] = dict.fromkeys(BY_TRIAL, np.arange(len(percepts.trial)) == row)
+    kept |= dict.fromkeys(BY_OBJECT, own) | {"pixels": pixels}
+    values = {name: _taken(value, kept[name]) if name in kept else value for name, value in vars(percepts).items()}
+    values |= {"trial_index": np.zeros(int(own.sum()), dtype=np.int64), "dropped": ()}
+    values |= {"dropped_trial": np.zeros(0, dtype=np.int64)}
+    values["pixel_index"] = percepts.pixel_index[pixels] - int(np.flatnonzero(own)[0] if own.any() else 0)
+    return Percepts(**values)
+
+
+def _taken(values: Any, kept: NDArray[np.bool_]) -> Any:
+    """The values that are kept: of an array, a tuple, or truth that is not known."""
+    if values is None or isinstance(values, np.ndarray):
+        return None if values is None else values[kept]
+    return tuple(value for value, stays in zip(values, kept, strict=True) if stays)
+
+
 def join(parts: Iterable[Percepts]) -> Percepts:
     """Join the trials of several percepts, in order of their numbers.
 

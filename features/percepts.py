@@ -133,16 +133,11 @@ def _perceive_trial(
     position = np.stack([standing_position(one.mask, view.camera) for one in found])
     match = _match(position, true)
     attended = _attended(seen, position, match, true)
-    acted = seen.gaze_target is not None
     return Percepts(
         trial=np.array([seen.trial]),
-        acted=np.array([acted]),
         attended_object=np.array([attended]),
         words=(tuple(seen.words),),
-        hand=seen.hand_position[None],
-        finger_rate=np.array([seen.finger_rate if acted else 0.0]),
-        joints=seen.joint_positions[None],
-        touch=seen.tactile[None],
+        **_body(seen),
         joint_names=tuple(seen.joint_names),
         joint_lower=seen.joint_lower,
         joint_upper=seen.joint_upper,
@@ -160,6 +155,34 @@ def _perceive_trial(
         truth_object=_true_words(match, None if true is None else true.object_words),
         truth_color=_true_words(match, None if true is None else true.color_words),
     )
+
+
+def _body(seen: Observation) -> dict[str, Any]:
+    """Return what a trial's percepts say of the robot's body."""
+    acted = seen.gaze_target is not None
+    return {
+        "acted": np.array([acted]),
+        "hand": seen.hand_position[None],
+        "finger_rate": np.array([seen.finger_rate if acted else 0.0]),
+        "joints": seen.joint_positions[None],
+        "touch": seen.tactile[None],
+    }
+
+
+def with_action(scene: Percepts, seen: Observation) -> Percepts:
+    """Return the percepts of an action in a scene whose objects the robot has already seen.
+
+    Args:
+        scene: One trial, before the action.
+        seen: What the robot felt when the action was over.
+
+    Raises:
+        ValueError: No action was executed.
+    """
+    if seen.gaze_target is None:
+        raise ValueError(f"trial {seen.trial}: no action was executed")
+    attended = _attended(seen, scene.position, np.zeros(0, dtype=np.int64), None)
+    return replace(scene, attended_object=np.array([attended]), **_body(seen))
 
 
 def _match(position: NDArray[np.float64], true: Truth | None) -> NDArray[np.int64]:

@@ -7,7 +7,9 @@ import os
 import re
 import shutil
 import subprocess
-from collections.abc import Iterator
+import time
+from base64 import b64decode
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from html import unescape
@@ -180,14 +182,71 @@ class _Browser:
         return answer
 
 
+class Tab:
+    """A page of a server, with which a test does what people do."""
+
+    def __init__(self, browser: _Browser, url: str, width: int = 1200, height: int = 900) -> None:
+        self._browser = browser
+        self._target = browser.call("Target.createTarget", url="about:blank")["targetId"]
+        self._session = browser.call("Target.attachToTarget", targetId=self._target, flatten=True)["sessionId"]
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
+        browser.call("Emulation.setDeviceMetricsOverride", self._session, **size)
+        browser.call("Page.enable", self._session)
+        browser.call("Page.navigate", self._session, url=url)
+
+    def run(self, script: str) -> Any:
+        """The value of an expression of JavaScript."""
+        done = self._browser.call("Runtime.evaluate", self._session, expression=script, returnByValue=True)
+        assert "exceptionDetails" not in done, done
+        return done["result"].get("value")
+
+    def until(self, script: str, patience: float = 40.0) -> Any:
+        """The value of an expression, as soon as it is true of the page."""
+        end = time.monotonic() + patience
+        while not (value := self.run(script)):
+            assert time.monotonic() < end, (script, self.run("document.body.innerText"))
+            time.sleep(0.05)
+        return value
+
+    def type(self, text: str) -> None:
+        """Type a text into what has the focus."""
+        self._browser.call("Input.insertText", self._session, text=text)
+
+    def press(self, key: str, code: int, text: str = "") -> None:
+        """Press a key; `code` is the one of Windows."""
+        more = {"text": text} if text else {}
+        for kind in ("keyDown", "keyUp"):
+            params = {"type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code}
+            self._browser.call("Input.dispatchKeyEvent", self._session, **params | more)
+
+    def picture(self) -> bytes:
+        """The whole page as PNG."""
+        width, height = self.run("[innerWidth, document.documentElement.scrollHeight]")
+        clip = {"x": 0, "y": 0, "width": width, "height": height, "scale": 1}
+        taken = self._browser.call("Page.captureScreenshot", self._session, captureBeyondViewport=True, clip=clip)
+        return b64decode(taken["data"])
+
+    def close(self) -> None:
+        """Close the page, as people do."""
+        self._browser.call("Target.closeTarget", targetId=self._target)
+
+
 @contextmanager
-def _remote(profile: Path) -> Iterator[_Browser]:
+def tabs(url: str, folder: Path) -> Iterator[Callable[..., Tab]]:
+    """A browser that opens tabs of a page; called with a width and a height in pixels."""
+    with _remote(folder / "profile", 180) as browser:
+        yield lambda *size: Tab(browser, url, *size)
+
+
+@contextmanager
+def _remote(profile: Path, seconds: int = 60) -> Iterator[_Browser]:
     """A browser that listens on its third file descriptor and answers on the fourth."""
     assert CHROMIUM is not None
     (their_in, our_out), (our_in, their_out) = os.pipe(), os.pipe()
     options = [*QUIET, f"--user-data-dir={profile}", "--remote-debugging-pipe"]
-    # It ends with its pipes; and after a minute they end, and with them the test.
-    command = ["bash", "-c", f'exec timeout -s KILL 60 "$@" 3<&{their_in} 4>&{their_out}', "bash", CHROMIUM, *options]
+    # It ends with its pipes; and after a minute or so they end, and with them the test.
+    script = f'exec timeout -s KILL {seconds} "$@" 3<&{their_in} 4>&{their_out}'
+    command = ["bash", "-c", script, "bash", CHROMIUM, *options]
     browser = subprocess.Popen(command, pass_fds=(their_in, their_out), stderr=subprocess.DEVNULL)
     os.close(their_in)
     os.close(their_out)

@@ -91,6 +91,7 @@ class Recorder:
         table: PyBullet's number of the table.
         picture: Renders what the left eye sees now.
         simulation: Settings.
+        watch: Is shown every sample as soon as it is kept.
     """
 
     def __init__(
@@ -101,8 +102,10 @@ class Recorder:
         table: int,
         picture: Callable[[], Image],
         simulation: Simulation,
+        watch: Callable[[Sample], None] | None = None,
     ) -> None:
         self._client = client
+        self._watch = watch
         self._robot = robot
         self._objects = objects
         self._around = (table, *objects)
@@ -147,6 +150,8 @@ class Recorder:
         position, velocity = self._robot.joint_state()
         poses = np.array([scene.object_pose(self._client, body) for body in self._objects]).reshape(-1, 7)
         self._samples.append(Sample(self.now(), position, velocity, self._touch(), poses))
+        if self._watch is not None:
+            self._watch(self._samples[-1])
 
     def snapshot(self, topic: str) -> None:
         """Take a picture, and note where the links are."""

@@ -16,7 +16,7 @@ from data_collection.simulator import hand_model, robot_model, scene
 from data_collection.simulator.inverse_kinematics import look, reach
 from data_collection.simulator.kinematics import HAND, Kinematics, rotation
 from data_collection.simulator.postures import COMFORTABLE, REST, angles_of
-from data_collection.simulator.recording import Recorder, Recording, smooth
+from data_collection.simulator.recording import Recorder, Recording, Sample, smooth
 from data_collection.simulator.robot import Robot, finger_angles
 from data_collection.simulator.simple_meshes import with_simple_meshes
 from data_collection.task import Outcome, Placed
@@ -38,10 +38,18 @@ class World:
     Args:
         simulation: Settings of the experiment.
         whole_robot: Draw legs, head and left arm too, which its own eyes do not look at: for pictures from outside.
+        watch: Is shown what the robot senses while it acts, sample by sample.
     """
 
-    def __init__(self, simulation: Simulation, *, whole_robot: bool = False) -> None:
+    def __init__(
+        self,
+        simulation: Simulation,
+        *,
+        whole_robot: bool = False,
+        watch: Callable[[Sample], None] | None = None,
+    ) -> None:
         self.simulation = simulation
+        self._watch = watch
         self.description = robot_model.robot_urdf(meshes=False)
         self._folder = tempfile.TemporaryDirectory()
         drawn = robot_model.robot_urdf(own_view=not whole_robot)
@@ -220,7 +228,9 @@ class World:
         return float(scene.object_pose(self.client, body)[2] - low)
 
     def _recorder(self) -> Recorder:
-        return Recorder(self.client, self.robot, self.objects, self._table, self.picture, self.simulation)
+        return Recorder(
+            self.client, self.robot, self.objects, self._table, self.picture, self.simulation, self._watch
+        )
 
     def _clear(self) -> None:
         scene.reset(self.client)

@@ -18,6 +18,7 @@ from data_collection.log.trial import observation
 from data_collection.log.truth import truth
 from data_collection.log_differences import differences, regenerate
 from data_collection.simulation_settings import Simulation
+from data_collection.simulator.recording import Sample
 from data_collection.simulator.world import World
 from data_collection.task import Command, Judgement, Placed, judge
 from tests.conftest import Simulated, simulation_of
@@ -35,6 +36,18 @@ def _one(simulation: Simulation, set_name: str, trial: int, seed: int = 1) -> Lo
         simulation, experiment="simulator", set_name=set_name, trials=[trial], seed=seed, provenance=PROVENANCE
     )
     return next(made)
+
+
+def test_who_watches_sees_every_sample_and_changes_nothing(simulation: Simulation, executed: Log) -> None:
+    command = Command(trial=1, gaze=(0.3, 0.0), target=None, finger_rate=0.0)
+    seen: list[Sample] = []
+    (log,) = execute(
+        simulation, experiment="simulator", seed=1, commands=[command], provenance=PROVENANCE, watch=seen.append
+    )
+    assert differences(log, executed) == []
+    logged = [message for message in log.messages if message.topic == topics.TRUTH_POSES]
+    assert [sample.time for sample in seen] == [message.time for message in logged]
+    assert all(np.array_equal(s.objects, np.asarray(m.value)) for s, m in zip(seen, logged, strict=True))
 
 
 def test_a_trial_does_not_depend_on_those_before_it(

@@ -71,7 +71,7 @@ def test_pages_speak_of_no_machine() -> None:
 def test_every_page_is_in_the_index() -> None:
     index = (ROOT / "docs" / "README.md").read_text(encoding="utf-8")
     for page in (ROOT / "docs").iterdir():
-        assert page.name == "README.md" or page.suffix == ".svg" or f"({page.name})" in index, page.name
+        assert page.name == "README.md" or page.suffix in (".svg", ".png") or f"({page.name})" in index, page.name
 
 
 def test_the_config_reference_is_up_to_date() -> None:

@@ -112,6 +112,7 @@ def whole(
 
 def test_the_size_of_the_study_is_counted(scores: pd.DataFrame) -> None:
     body = report.about("own.yaml", {"own": "simulated trials", "own_two": "those of own"}, scores).body
+    assert "make talk" in body
     assert f"{2 * 3 * 3} fits of the model, and {len(scores)} measures" in body
     row = ("own_two", "those of own", "5", "0, 40", "(A) proposed, ALL", "1", "3", "9")
     assert "".join(f"<td>{cell}</td>" for cell in row) in body

@@ -12,10 +12,11 @@ import pytest
 
 from data_collection.log import codec, topics
 from data_collection.log.mcap_log import Log, LogError, read_log, write_log
+from data_collection.log.trial import observation
 from features.arrays import ArtifactError
 from features.extraction_settings import FeatureSettings
-from features.percept_data import Percepts, first, join, load_percepts, save_percepts
-from features.percepts import DetectionError, perceive
+from features.percept_data import Percepts, first, join, load_percepts, only, save_percepts
+from features.percepts import DetectionError, perceive, with_action
 from features.transforms import apply, fit_transforms, relative_hand
 
 if TYPE_CHECKING:
@@ -100,6 +101,24 @@ def test_first_and_join_undo_each_other(percepts: Percepts) -> None:
     assert same(join([start]), start)
     with pytest.raises(ValueError, match="D is 9; expected 1 to 8"):
         first(percepts, 9)
+
+
+def test_one_trial_is_what_is_seen_of_it_alone(percepts: Percepts, logs: Any) -> None:
+    for number in (1, 5, 8):
+        assert same(only(percepts, number), perceive(logs.trials(1, first=number), logs.calibration(), SETTINGS))
+    with pytest.raises(ValueError, match="there is no trial 9"):
+        only(percepts, 9)
+
+
+def test_an_action_in_a_scene_that_was_seen_is_that_of_the_trial(percepts: Percepts, logs: Any) -> None:
+    (log,) = logs.trials(1, first=3)
+    trial = only(percepts, 3)
+    blank = {name: np.zeros_like(getattr(trial, name)) for name in ("hand", "finger_rate", "joints", "touch")}
+    before = replace(trial, attended_object=np.array([-1]), acted=np.array([False]), **blank)
+    assert same(with_action(before, observation(log)), trial)
+    (instruction,) = logs.trials(1, acted=False)
+    with pytest.raises(ValueError, match="no action was executed"):
+        with_action(before, observation(instruction))
 
 
 def test_blocks_join_to_the_whole(percepts: Percepts, logs: Any) -> None:

@@ -113,6 +113,18 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "model",
         "data_collection.files",
     ),
+    "evaluation/talk": (
+        "evaluation.talk",
+        "evaluation.uncertain",
+        "evaluation.acting",
+        "evaluation.data_sets",
+        "evaluation.description",
+        "evaluation.generation",
+        "evaluation.scores",
+        "model",
+        "features",
+        "data_collection",
+    ),
     "workflow/plan": ("workflow.plan", "evaluation", "model", "features", "data_collection"),
     "workflow/artifacts": (
         "workflow.artifacts",

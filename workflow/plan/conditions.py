@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from evaluation.data_sets import data_set_name
+from evaluation.data_sets import FIT_PATH, data_set_name
 
-FIT_PATH = "fits/{experiment}/{variant}/{method}/{sampler}/D{D}/ROW{ROW}/seed{seed}.npz"
 CHAIN_PATH = FIT_PATH.removesuffix(".npz") + "_chain{chain}.npz"
 
 

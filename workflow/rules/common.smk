@@ -13,7 +13,8 @@ from workflow.artifacts.provenance import lock_hash, rule_code
 from data_collection.processor import pin
 from data_collection.log.numbering import file_of_trial
 from workflow.plan.loading import plan
-from workflow.plan.conditions import CHAIN_PATH, FIT_PATH
+from evaluation.data_sets import FIT_PATH
+from workflow.plan.conditions import CHAIN_PATH
 from workflow.plan.experiment import TASKS
 from workflow.plan.study import feature_files
 from workflow.plan.config_types import WORDLESS
