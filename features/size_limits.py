@@ -4,6 +4,8 @@ MAX_TABLE_BYTES = 2**30
 """Size of a Parquet file, packed and, by its footer, unpacked."""
 MAX_TABLE_ROWS = 2_000_000
 """Rows of a Parquet file, and texts in one of its columns."""
+MAX_TABLE_PARTS = 1000
+"""Parquet files in a folder that is read as one table."""
 MAX_TABLE_VALUES = 50_000_000
 """Numbers in one column of a Parquet file (rows × list length)."""
 MAX_READER_BYTES = 6 * MAX_TABLE_BYTES

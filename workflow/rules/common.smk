@@ -11,6 +11,7 @@ from snakemake.exceptions import WorkflowError
 from workflow.plan.config import ConfigError, copied_from
 from workflow.artifacts.provenance import lock_hash, rule_code
 from data_collection.processor import pin
+from features.table_parts import parts_of
 from workflow.plan.loading import plan
 from workflow.plan.conditions import CHAIN_PATH, FIT_PATH
 from workflow.plan.experiment import TASKS
