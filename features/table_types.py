@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import difflib
 import re
-import unicodedata
 from collections.abc import Sequence
 from typing import Any
 
 import pyarrow as pa
 import pyarrow.compute as pc
 
+from data_collection.limits import normal
 from features.table_columns import EXPECTED, Column
 
 MAX_NAMED = 20
@@ -220,7 +220,7 @@ def _normal(values: Any) -> Any:
         texts = values.to_pylist()
         if all(text is None or text.isascii() for text in texts):
             return values
-        return pa.array([text and unicodedata.normalize("NFC", text) for text in texts], values.type)
+        return pa.array([text and normal(text) for text in texts], values.type)
     if pa.types.is_list(values.type) and pa.types.is_string(values.type.value_type):
         inner = values.flatten()
         normal = _normal(inner)

@@ -66,12 +66,32 @@ def contradictions(name: str, config: StudyConfig) -> Iterator[str]:
         for other in CHANNELS[i + 1 :]:
             for word in sorted(set(getattr(words, channel)) & set(getattr(words, other))):
                 yield f"{where}.words: {word!r} is a word of {channel} and of {other} (allowed: one channel per word)"
+    yield from _implausible_counts(where, own)
     yield from _tests_without_effect(where, own)
     yield from _conditions_not_run(where, settings)
     trials = experiments[owner].trials
     for i, D in enumerate(own.D):
         if trials is not None and D > trials:
             yield f"{where}.D[{i}]: {D} is more than the {trials} trials collected (experiments.{owner}.trials)"
+
+
+def _implausible_counts(where: str, own: ExperimentConfig) -> Iterator[str]:
+    """Numbers of objects that are simulated, but that would stop the run when they are seen."""
+    simulated, detection = own.simulation, own.feature_extraction.detection
+    elsewhere = {"features", "logs", "data"} & own.model_fields_set
+    if elsewhere or detection.on_wrong_count != "error":
+        return
+    place = f"{where}.feature_extraction.detection"
+    if "most_objects" in detection.model_fields_set and detection.most_objects < simulated.objects_most:
+        yield (
+            f"{place}.most_objects: {detection.most_objects} is less than the {simulated.objects_most} objects that "
+            f"are simulated ({where}.simulation.objects_most)"
+        )
+    if detection.fewest_objects > simulated.objects_least:
+        yield (
+            f"{place}.fewest_objects: {detection.fewest_objects} is more than the {simulated.objects_least} objects "
+            f"that are simulated ({where}.simulation.objects_least)"
+        )
 
 
 def _tests_without_effect(where: str, own: ExperimentConfig) -> Iterator[str]:
