@@ -22,3 +22,7 @@ MAX_TEXT_BYTES = 160
 
 MAX_ARRAYS_BYTES = 2**33
 """What the arrays of one npz file unpack to: percepts of 1,000 trials take about 100 MB."""
+MAX_ARRAYS_RATIO = 100
+"""By how many times an npz file may grow when it is unpacked; percepts grow to less than ten times their size."""
+PLAIN_ARRAYS_BYTES = 2**27
+"""What unpacks to no more than this may grow by any factor."""

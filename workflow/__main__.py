@@ -11,6 +11,7 @@ from workflow.artifacts.provenance import ROOT
 from workflow.artifacts.store import Store
 from workflow.plan.config import ConfigError
 from workflow.plan.loading import load_study
+from workflow.plan.out_folder import refuse_sources
 
 WRONG = 2
 
@@ -51,6 +52,7 @@ def _parser() -> argparse.ArgumentParser:
 def _command(arguments: argparse.Namespace) -> int:
     match arguments.command:
         case "run":
+            refuse_sources(arguments.out)
             load_study(arguments.config)  # finds mistakes before anything starts
             if arguments.cores is not None and arguments.cores < 1:
                 raise ValueError(f"--cores {arguments.cores}: must be at least 1")

@@ -14,7 +14,9 @@ import yaml
 
 from features.table import read_table
 from tests.synthetic import write_own_study
+from workflow.plan.config import ConfigError
 from workflow.plan.loading import load_study
+from workflow.plan.out_folder import ROOT, refuse_sources
 from workflow.plan.study import feature_files
 from workflow.plan.units import unlikely_units
 
@@ -80,3 +82,35 @@ def test_a_study_checks_a_folder_of_parts(tmp_path: Path) -> None:
     for part in range(2):
         pq.write_table(table[20 * part : 20 * (part + 1) if part == 0 else None], objects / f"part-{part}.parquet")
     assert load_study(config).notes == ()
+
+
+@pytest.mark.bad_input
+@pytest.mark.parametrize("silent", ["training", "description"])
+def test_a_description_without_words_is_found_by_the_check(tmp_path: Path, silent: str) -> None:
+    files = {"trials": "trials.parquet", "objects": "objects.parquet"}
+    mute = tmp_path / "mute.parquet"
+    config = write_own_study(tmp_path, features={**files, "description": {**files, "trials": "mute.parquet"}})
+    trials = pq.read_table(tmp_path / "trials.parquet")
+    words = pa.array([[]] * trials.num_rows, pa.list_(pa.string()))
+    pq.write_table(trials.set_column(trials.column_names.index("words"), "words", words), mute)
+    if silent == "training":
+        (tmp_path / "said.parquet").write_bytes((tmp_path / "trials.parquet").read_bytes())
+        mute.replace(tmp_path / "trials.parquet")
+        (tmp_path / "said.parquet").replace(mute)
+    says = "none of the first 20 trials" if silent == "training" else "nothing to compare descriptions with"
+    with pytest.raises(ConfigError, match=says):
+        load_study(config)
+
+
+@pytest.mark.bad_input
+@pytest.mark.parametrize(
+    "out", [".", "..", "features", "docs/../model/x", "results/reference", ".venv/x", "/", ".git"]
+)
+def test_results_do_not_go_among_the_sources(out: str) -> None:
+    with pytest.raises(ValueError, match="results would stand among the sources"):
+        refuse_sources(ROOT / out)
+
+
+@pytest.mark.parametrize("out", ["results", "results/smoke", "my_study/results", "/tmp/out", "features_2"])
+def test_results_go_anywhere_else(out: str) -> None:
+    refuse_sources(ROOT / out)

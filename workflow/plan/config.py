@@ -126,6 +126,6 @@ class _StrictLoader(yaml.SafeLoader):
         is_number = isinstance(node, yaml.ScalarNode) and node.tag != "tag:yaml.org,2002:str"
         if node is not None and is_number and len(node.value) > MAX_NUMBER_LENGTH:
             raise yaml.composer.ComposerError(None, None, "a number that is too long", node.start_mark)
-        if is_number and (told := read_as_else(node.tag, node.value)):
+        if node is not None and is_number and (told := read_as_else(node.tag, node.value)):
             raise yaml.composer.ComposerError(None, None, told, node.start_mark)
         return node

@@ -43,6 +43,11 @@ def table_problems(study: Study, experiment: Experiment, set_name: str, notes: l
         yield from (f"{where}: {problem}" for problem in error.problems)
         return
     notes += told
+    if set_name == "description" and not any(table.words):
+        yield (
+            f"{where}: {paths['trials']}: no trial says a word, so there is nothing to compare descriptions with "
+            f"({key_path(['experiments', experiment.title])}.description.actions: 0 leaves the task out)"
+        )
     if set_name != "train":
         return
     notes += unlikely_units(study, experiment, table, paths)
@@ -54,6 +59,11 @@ def table_problems(study: Study, experiment: Experiment, set_name: str, notes: l
                 yield (
                     f"experiments.{user.title}.D[{i}]: {D} is more than the {len(table.trial)} trials "
                     f"of {paths['trials']}"
+                )
+            if D in study.tested_D(user.name, "description") and not any(table.words[:D]):
+                yield (
+                    f"experiments.{user.title}.D[{i}]: none of the first {D} trials of {paths['trials']} says a "
+                    "word, so the robot learns none to describe with (description.actions: 0 leaves the task out)"
                 )
         for row, sentence in enumerate(table.words):
             if len(sentence) > len(CHANNELS) and "proposed" in user.settings.methods:
