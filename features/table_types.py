@@ -223,6 +223,6 @@ def _normal(values: Any) -> Any:
         return pa.array([text and normal(text) for text in texts], values.type)
     if pa.types.is_list(values.type) and pa.types.is_string(values.type.value_type):
         inner = values.flatten()
-        normal = _normal(inner)
-        return values if normal is inner else _with_values(values, normal)
+        one_form = _normal(inner)
+        return values if one_form is inner else _with_values(values, one_form)
     return values
