@@ -36,8 +36,8 @@ Word = TypeAliasType(
     "Word",
     Annotated[
         str,
-        BeforeValidator(lambda value: normal(value) if isinstance(value, str) else value),
         Field(pattern=WORD_PATTERN, description=f"a word: {WORD_RULE}"),
+        BeforeValidator(lambda value: normal(value) if isinstance(value, str) else value),
     ],
 )
 FilePath = TypeAliasType(

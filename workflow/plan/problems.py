@@ -124,7 +124,8 @@ def _explain(
     else:
         expected = KINDS[schema.get("type", "string" if choices(schema) else "object")] + range_text(schema)
         note = _note(schema, meaning) if choices(schema) or schema.get("description") or meaning else ""
-        slip = quoted(value) if expected == "text" else number_of(value) if "number" in expected else ""
+        slip = quoted(value) if expected == "text" and "a word" in note else ""
+        slip = number_of(value) if "number" in expected else slip
         yield f"{where}: {short(value)} must be {expected}{note}{f'; {slip}' if slip else ''}"
 
 
