@@ -11,26 +11,36 @@ OUT ?= results
 CORES ?=
 PORT ?= 8321
 PROFILE ?= default
-RUN = $(PYTHON) -m workflow run --profile $(PROFILE) $(if $(CORES),--cores $(CORES))
+# What people give is one word of the shell each, whatever stands in it: $(value …) keeps make from expanding it.
+quoted = '$(subst ','\'',$(1))'
+CONFIG_WORD := $(call quoted,$(value CONFIG))
+OUT_WORD := $(call quoted,$(value OUT))
+# A target with a folder of its own uses it where no other is named.
+ifeq ($(value OUT),results)
+OWN_OUT = $(call quoted,results/$(1))
+else
+OWN_OUT = $(OUT_WORD)
+endif
+RUN = $(PYTHON) -m workflow run --profile $(call quoted,$(value PROFILE)) $(if $(value CORES),--cores $(call quoted,$(value CORES)))
 
 VENV := .venv
 READY := $(VENV)/.ready
 PYTHON := $(VENV)/bin/python
 BENCH_TRIALS := $(foreach D,20 40,features/simulator/D$(D)/train_trials.parquet)
-BENCH_FILES = $(foreach trials,$(BENCH_TRIALS:%=$(OUT)/bench/study/%),$(trials) $(trials:trials.parquet=objects.parquet))
+BENCH_FILES = $(foreach trials,$(BENCH_TRIALS:%=bench/study/%),$(OUT_WORD)/$(trials) $(OUT_WORD)/$(trials:trials.parquet=objects.parquet))
 SOURCES := data_collection features model evaluation workflow tests benchmarks
 
 .DEFAULT_GOAL := help
-.PHONY: help setup study claims smoke snakemake-report compare talk verify cache-info cache-clean test test-slow lint format bench portable scale docs lock reference reference-bench clean
+.PHONY: FORCE help setup study claims smoke snakemake-report compare talk verify cache-info cache-clean test test-slow lint format bench portable scale docs lock reference reference-bench clean
 
 help:
-	@echo "make study [CONFIG=$(CONFIG)] [OUT=$(OUT)] [CORES=n] [CACHE=folder]  run a study"
+	@echo "make study [CONFIG=config/config.yaml] [OUT=results] [CORES=n] [CACHE=folder]  run a study"
 	@echo "make study PROFILE=slurm   the same on a cluster; or a folder with a Snakemake profile of one's own"
-	@echo "make claims [OUT=$(OUT)/claims]   the paper's claims over several data sets (config/claims.yaml)"
-	@echo "make smoke [OUT=$(OUT)/smoke]   a tiny study through every stage"
-	@echo "make compare [OUT=$(OUT)]       which results differ from results/reference by more than the seeds explain"
-	@echo "make talk [OUT=$(OUT)] [PORT=$(PORT)]   a page, for this machine alone, on which to tell the robots of a study what to do"
-	@echo "make verify [OUT=$(OUT)]   hash every artifact again: what is missing, changed or unexplained"
+	@echo "make claims [OUT=results/claims]   the paper's claims over several data sets (config/claims.yaml)"
+	@echo "make smoke [OUT=results/smoke]   a tiny study through every stage"
+	@echo "make compare [OUT=results]       which results differ from results/reference by more than the seeds explain"
+	@echo "make talk [OUT=results] [PORT=8321]   a page, for this machine alone, on which to tell the robots of a study what to do"
+	@echo "make verify [OUT=results]   hash every artifact again: what is missing, changed or unexplained"
 	@echo "make cache-info | cache-clean [CACHE=folder]   the cache of artifacts that all runs share"
 	@echo "make snakemake-report [CONFIG=…] [OUT=…]   the study, and Snakemake's own report of it (workflow, run times, results)"
 	@echo "make test | test-slow | lint | format | bench | docs"
@@ -38,53 +48,42 @@ help:
 	@echo "make portable   what other processors would make of a study, with and without the pins (an hour and a half)"
 	@echo "make lock    pin the newest versions that pyproject.toml allows in environment.lock"
 	@echo "make reference | reference-bench   run the study, or the benchmarks, and keep what they show in results/reference"
-	@echo "make clean   remove results but results/reference"
+	@echo "make clean YES=1   remove results but results/reference; without YES=1, list them"
 
 # Everything is pinned in environment.lock and installed in a private environment. PyBullet has no wheels for
-# Pythons above 3.11. A set-up that was interrupted has no stamp, and begins again.
-$(READY): environment.lock
-	@rm -rf $(VENV)
-	@if command -v python3.11 >/dev/null && python3.11 -c 'import ensurepip' 2>/dev/null; then \
-		echo "Setting up $(VENV) with python3.11 (about two minutes)"; python3.11 -m venv $(VENV); \
-	elif command -v uv >/dev/null; then \
-		echo "Setting up $(VENV) with a Python 3.11 of uv (about two minutes)"; uv venv --quiet --seed --python 3.11 $(VENV); \
-	else \
-		echo "This project needs Python 3.11 (PyBullet has no wheels for newer ones), and found neither it nor uv." >&2; \
-		echo "Install one of them (python3.11 with its venv module): Debian 12 or Ubuntu with a 3.11 package: apt install python3.11 python3.11-venv;" >&2; \
-		echo "any system: pip install uv, which fetches Python 3.11 by itself." >&2; exit 1; \
-	fi
-	@$(PYTHON) -m pip install --quiet --disable-pip-version-check -r environment.lock
-	@echo "Compiling the samplers (one to two minutes, once)"
-	@$(PYTHON) -c "from model.fitting import prepare; prepare()"
-	@touch $@
+# Pythons above 3.11. The lock's hash decides whether that has to be done, see .ci/environment.
+$(READY): FORCE
+	@.ci/environment
+
+FORCE:
 
 setup: $(READY)
 
 study: $(READY)
-	@$(RUN) --config $(CONFIG) --out $(OUT)
+	@$(RUN) --config $(CONFIG_WORD) --out $(OUT_WORD)
 
 claims: $(READY)
-	@$(RUN) --config config/claims.yaml --out $(if $(filter results,$(OUT)),results/claims,$(OUT))
+	@$(RUN) --config config/claims.yaml --out $(call OWN_OUT,claims)
 
 smoke: $(READY)
-	@$(RUN) --config config/smoke.yaml --out $(if $(filter results,$(OUT)),results/smoke,$(OUT))
+	@$(RUN) --config config/smoke.yaml --out $(call OWN_OUT,smoke)
 
 # Exits with 1 where something differs, with 2 where there is nothing to compare; make itself then says 2.
 compare: $(READY)
-	@$(PYTHON) -m evaluation compare $(OUT) results/reference
+	@$(PYTHON) -m evaluation compare $(OUT_WORD) results/reference
 
 talk: $(READY)
-	@$(PYTHON) -m evaluation talk $(OUT) --port $(PORT)
+	@$(PYTHON) -m evaluation talk $(OUT_WORD) --port $(call quoted,$(value PORT))
 
 verify: $(READY)
-	@$(PYTHON) -m workflow verify --out $(OUT)
+	@$(PYTHON) -m workflow verify --out $(OUT_WORD)
 
 # CACHE and CACHE_GIB reach the program as environment variables, from here and from `make study` alike.
 cache-info cache-clean: $(READY)
 	@$(PYTHON) -m workflow $@
 
 snakemake-report: study
-	@$(PYTHON) -m workflow run --config $(CONFIG) --out $(OUT) -- --report snakemake_report.html
+	@$(PYTHON) -m workflow run --config $(CONFIG_WORD) --out $(OUT_WORD) -- --report snakemake_report.html
 
 test: $(READY)
 	$(PYTHON) -m pytest -n 2 --dist loadfile -m "not slow" tests
@@ -107,26 +106,26 @@ format: $(READY)
 
 # The samplers are compared on the study's features: from the cache after a study, simulated in a few minutes without.
 bench: $(READY)
-	$(PYTHON) -m benchmarks.jobs $(OUT) --out $(OUT)/bench
-	test ! -f $(OUT)/bench/jobs.csv -o ! -f $(OUT)/manifest.json || $(PYTHON) -m benchmarks.scale needs $(OUT) --times 1000 > $(OUT)/bench/needs.md
-	$(PYTHON) -m benchmarks --out $(OUT)/bench
-	$(RUN) --config config/config.yaml --out $(OUT)/bench/study -- $(BENCH_TRIALS)
-	$(PYTHON) -m benchmarks.samplers --out $(OUT)/bench $(BENCH_FILES)
-	$(PYTHON) -m benchmarks.convergence --out $(OUT)/bench $(BENCH_FILES)
+	$(PYTHON) -m benchmarks.jobs $(OUT_WORD) --out $(OUT_WORD)/bench
+	test ! -f $(OUT_WORD)/bench/jobs.csv -o ! -f $(OUT_WORD)/manifest.json || $(PYTHON) -m benchmarks.scale needs $(OUT_WORD) --times 1000 > $(OUT_WORD)/bench/needs.md
+	$(PYTHON) -m benchmarks --out $(OUT_WORD)/bench
+	$(RUN) --config config/config.yaml --out $(OUT_WORD)/bench/study -- $(BENCH_TRIALS)
+	$(PYTHON) -m benchmarks.samplers --out $(OUT_WORD)/bench $(BENCH_FILES)
+	$(PYTHON) -m benchmarks.convergence --out $(OUT_WORD)/bench $(BENCH_FILES)
 
 # What hangs on the kernels that libraries choose for a processor, and that jobs do not: the table of docs/portable.md.
 portable: $(READY)
-	@rm -rf $(OUT)/portable
-	@mkdir -p $(OUT)/portable
-	$(PYTHON) -m tests.workflow.portable --out $(OUT)/portable
-	$(PYTHON) -m tests.workflow.portable --out $(OUT)/portable --scores
+	@rm -rf $(OUT_WORD)/portable
+	@mkdir -p $(OUT_WORD)/portable
+	$(PYTHON) -m tests.workflow.portable --out $(OUT_WORD)/portable
+	$(PYTHON) -m tests.workflow.portable --out $(OUT_WORD)/portable --scores
 
 # Ten times the trials and ten times the seeds, and what a study that is again ten times as large would need.
 scale: $(READY)
-	@mkdir -p $(OUT)/bench
-	$(PYTHON) -m benchmarks.scale config $(CONFIG) --trials 10 --seeds 10 > $(OUT)/bench/scale.yaml
-	$(RUN) --config $(OUT)/bench/scale.yaml --out $(OUT)/scale
-	$(PYTHON) -m benchmarks.scale needs $(OUT)/scale --times 10 > $(OUT)/bench/scale.md
+	@mkdir -p $(OUT_WORD)/bench
+	$(PYTHON) -m benchmarks.scale config $(CONFIG_WORD) --trials 10 --seeds 10 > $(OUT_WORD)/bench/scale.yaml
+	$(RUN) --config $(OUT_WORD)/bench/scale.yaml --out $(OUT_WORD)/scale
+	$(PYTHON) -m benchmarks.scale needs $(OUT_WORD)/scale --times 10 > $(OUT_WORD)/bench/scale.md
 
 docs: $(READY)
 	$(PYTHON) -m workflow.plan.reference docs/config.md config/config.schema.json
@@ -144,13 +143,19 @@ lock:
 reference: study
 	@rm -rf results/reference/tables results/reference/figures
 	@mkdir -p results/reference/figures
-	@cp $(OUT)/figures/*.png $(OUT)/figures/*.gif results/reference/figures/
-	@cp -r $(OUT)/tables $(OUT)/scores.csv $(OUT)/claims*.csv results/reference/
+	@cp $(OUT_WORD)/figures/*.png $(OUT_WORD)/figures/*.gif results/reference/figures/
+	@cp -r $(OUT_WORD)/tables $(OUT_WORD)/scores.csv $(OUT_WORD)/claims*.csv results/reference/
 
 # The same of the benchmarks, which are to be measured on an idle machine.
 reference-bench: bench
 	@mkdir -p results/reference/bench
-	@cp $(OUT)/bench/*.csv $(OUT)/bench/*.md $(OUT)/bench/*.png results/reference/bench/
+	@cp $(OUT_WORD)/bench/*.csv $(OUT_WORD)/bench/*.md $(OUT_WORD)/bench/*.png results/reference/bench/
 
+# Results may be hours of work: they are listed, and removed only where that is asked for.
 clean:
+ifeq ($(value YES),1)
 	@find results -mindepth 1 -maxdepth 1 ! -name reference -exec rm -rf {} + 2>/dev/null || true
+else
+	@find results -mindepth 1 -maxdepth 1 ! -name reference -exec du -sh {} + 2>/dev/null || true
+	@echo "make clean YES=1 removes these"
+endif

@@ -4,6 +4,7 @@ The limits are far above what a study needs; they keep an absurd or forged file 
 """
 
 import re
+import unicodedata
 
 MAX_LOG_BYTES = 2**26
 """Size of a log, and of what all its chunks unpack to."""
@@ -38,6 +39,11 @@ formula, which a spreadsheet would run when it opens a table, or like a path; no
 stood there, or nothing. `$` alone would let a line feed pass in Python."""
 WORD_RULE = "1 to 40 visible characters, no number, not beginning with =, +, -, @ or /; not NA, nan, null, none, …"
 _WORD = re.compile(WORD_PATTERN)
+
+
+def normal(text: str) -> str:
+    """A text in Unicode's normal form C, in which words are compared: an é is one letter, however it was typed."""
+    return unicodedata.normalize("NFC", text)
 
 
 def is_word(text: str) -> bool:

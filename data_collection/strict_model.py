@@ -3,10 +3,10 @@
 import json
 from typing import Annotated, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from typing_extensions import TypeAliasType
 
-from data_collection.limits import PATH_PATTERN, WORD_PATTERN, WORD_RULE
+from data_collection.limits import PATH_PATTERN, WORD_PATTERN, WORD_RULE, normal
 
 
 class StrictModel(BaseModel):
@@ -32,7 +32,14 @@ class StrictModel(BaseModel):
 LISTED = Field(strict=False)
 """Marks a tuple, which YAML and JSON write as a list."""
 
-Word = TypeAliasType("Word", Annotated[str, Field(pattern=WORD_PATTERN, description=f"a word: {WORD_RULE}")])
+Word = TypeAliasType(
+    "Word",
+    Annotated[
+        str,
+        Field(pattern=WORD_PATTERN, description=f"a word: {WORD_RULE}"),
+        BeforeValidator(lambda value: normal(value) if isinstance(value, str) else value),
+    ],
+)
 FilePath = TypeAliasType(
     "FilePath",
     Annotated[

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import hashlib
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,7 +36,9 @@ class Rating:
 
 
 def make_key(rows: Sequence[Mapping[str, object]], allowed: Sequence[str], rng: np.random.Generator) -> pd.DataFrame:
-    """Name the actions to rate clip_001, clip_002, … in an order that tells nothing about their conditions.
+    """Name the actions to rate clip_3fa94c_001, … in an order that tells nothing about their conditions.
+
+    The names hold a digest of the key, so that a form for an earlier key is not counted against this one.
 
     Args:
         rows: One per action, with the columns of `KEY_COLUMNS` except `clip` and `allowed`.
@@ -45,8 +49,10 @@ def make_key(rows: Sequence[Mapping[str, object]], allowed: Sequence[str], rng: 
         Columns `KEY_COLUMNS` and any others of `rows`, a row per clip, in the order of the clips.
     """
     order = [rows[i] for i in rng.permutation(len(rows))]
+    told = json.dumps([order, list(allowed)], sort_keys=True, default=str, ensure_ascii=True)
+    digest = hashlib.sha256(told.encode()).hexdigest()[:6]
     key = pd.DataFrame(
-        [{"clip": f"clip_{i + 1:03}", **row, "allowed": " ".join(allowed)} for i, row in enumerate(order)]
+        [{"clip": f"clip_{digest}_{i + 1:03}", **row, "allowed": " ".join(allowed)} for i, row in enumerate(order)]
     )
     return key[[*KEY_COLUMNS, *(name for name in key.columns if name not in KEY_COLUMNS)]]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from data_collection.files import write_arrays
-from features.size_limits import MAX_ARRAYS_BYTES
+from features.size_limits import MAX_ARRAYS_BYTES, MAX_ARRAYS_RATIO, PLAIN_ARRAYS_BYTES
 
 
 class ArtifactError(ValueError):
@@ -38,21 +39,43 @@ def load_arrays(path: Path, kind: str, names: tuple[str, ...]) -> dict[str, NDAr
     if not path.is_file():
         raise ArtifactError(f"{path}: no such file of {kind}")
     try:
-        with zipfile.ZipFile(path) as archive:
-            if sum(member.file_size for member in archive.infolist()) > MAX_ARRAYS_BYTES:
-                raise ValueError(f"unpacks to more than {MAX_ARRAYS_BYTES:,} bytes")
+        _refuse_bombs(path)
         with np.load(path, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
+            found = str(stored["kind"]) if "kind" in stored.files else ""
+            different = sorted({"kind", *names} ^ set(stored.files))
+            # What is something else is not unpacked.
+            arrays = {name: stored[name] for name in names} if found == kind and not different else {}
         if bare := [name for name, array in arrays.items() if not isinstance(array, np.ndarray)]:
             raise ValueError(f"{', '.join(bare)} hold no array")  # NumPy gives their bytes
     except Exception as error:  # damaged bytes surface as zip, zlib, memory, syntax, … errors
         raise ArtifactError(f"{path}: not a file of {kind}, truncated or damaged: {error}") from error
-    found = str(arrays.pop("kind", ""))
     if found != kind:
         raise ArtifactError(f"{path}: holds {found or 'something else'}; expected {kind}")
-    if different := sorted(set(names) ^ set(arrays)):
+    if different:
         raise ArtifactError(f"{path}: {', '.join(different)} missing or unknown; expected {', '.join(names)}")
     return arrays
+
+
+def _refuse_bombs(path: Path) -> None:
+    """Refuse a file that would unpack to far more than it holds, by what it says of itself, before it is unpacked.
+
+    Raises:
+        ValueError: It is too large, larger than its size explains, or an array is larger than its part of the file.
+    """
+    packed = path.stat().st_size
+    with zipfile.ZipFile(path) as archive:
+        unpacked = sum(member.file_size for member in archive.infolist())
+        if unpacked > min(MAX_ARRAYS_BYTES, max(PLAIN_ARRAYS_BYTES, MAX_ARRAYS_RATIO * packed)):
+            raise ValueError(f"unpacks from {packed:,} to {unpacked:,} bytes, which no file of arrays does")
+        for member in archive.infolist():
+            with archive.open(member) as file:
+                version = np.lib.format.read_magic(file)
+                read = (
+                    np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+                )
+                shape, _, dtype = read(file)
+            if math.prod(shape) * dtype.itemsize > member.file_size:
+                raise ValueError(f"{member.filename} says that it is larger than it is")
 
 
 def texts_to_array(texts: tuple[str | None, ...] | None, count: int) -> NDArray[np.str_]:

@@ -39,7 +39,12 @@ class Detection(StrictModel):
         description="touching objects are cut at necks narrower than this share of the thinner one; 0: never",
     )
     fewest_objects: int = Field(1, ge=1, le=1000, description="fewest objects that are plausible in a trial")
-    most_objects: int = Field(3, ge=1, le=1000, description="most objects that are plausible in a trial")
+    most_objects: int = Field(
+        3,
+        ge=1,
+        le=1000,
+        description="most objects that are plausible in a trial; by default as many as are simulated, if more",
+    )
     on_wrong_count: Literal["error", "drop"] = Field(
         "error", description="a trial with an implausible number of objects: stop, or drop it with a warning"
     )

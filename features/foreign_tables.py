@@ -15,23 +15,23 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from signal import Signals
-from typing import Any
 
 import pyarrow as pa
 
 from features.size_limits import MAX_READER_BYTES, MAX_READER_SECONDS
 from features.table_columns import FILES
-from features.table_files import DAMAGED, load
+from features.table_files import Read, load
+from features.table_parts import DAMAGED
 
 
-def load_apart(paths: Mapping[str, Path]) -> dict[str, tuple[Any, list[str]]]:
+def load_apart(paths: Mapping[str, Path]) -> dict[str, Read]:
     """Read files as `table_files.load` does, each in a child process.
 
     Args:
-        paths: The files, by their keys in `FILES`.
+        paths: The files, or folders of files, by their keys in `FILES`.
 
     Returns:
-        By the same keys: the Arrow table, or None if the file cannot be read, and the problems of file and types.
+        What came of each, by the same keys.
     """
     root = str(Path(__file__).resolve().parents[1])
     # An empty part would be the current folder, whose modules would come before Python's own.
@@ -52,33 +52,33 @@ def load_apart(paths: Mapping[str, Path]) -> dict[str, tuple[Any, list[str]]]:
         return {key: _result(reader, paths[key], outs[key]) for key, reader in readers.items()}
 
 
-def _result(reader: subprocess.Popen[bytes], path: Path, out: Path) -> tuple[Any, list[str]]:
+def _result(reader: subprocess.Popen[bytes], path: Path, out: Path) -> Read:
     """What a child found, or how it ended."""
     try:
         said, _ = reader.communicate(timeout=MAX_READER_SECONDS)
     except subprocess.TimeoutExpired:
         reader.kill()
         reader.communicate()
-        return None, [f"{path}: {DAMAGED}: not read within {MAX_READER_SECONDS} seconds"]
+        return Read(None, [f"{path}: {DAMAGED}: not read within {MAX_READER_SECONDS} seconds"])
     if reader.returncode != 0:
         how = Signals(-reader.returncode).name if reader.returncode < 0 else f"status {reader.returncode}"
-        return None, [f"{path}: {DAMAGED}: reading it ended with {how}"]
+        return Read(None, [f"{path}: {DAMAGED}: reading it ended with {how}"])
     table = pa.ipc.open_file(pa.py_buffer(out.read_bytes())).read_all() if out.exists() else None
-    return table, json.loads(said)
+    return Read(table, **json.loads(said))
 
 
 def _read(key: str, path: str, out: str) -> None:
-    """Read a file within the memory limit; problems go to stdout, the table to `out`."""
+    """Read a file within the memory limit; problems and notes go to stdout, the table to `out`."""
     pa.set_memory_pool(pa.system_memory_pool())  # the only pool that reserves nothing in advance
     allowed = resource.getrlimit(resource.RLIMIT_AS)[1]
     limit = MAX_READER_BYTES if allowed == resource.RLIM_INFINITY else min(allowed, MAX_READER_BYTES)
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    table, problems = load(Path(path), FILES[key])
-    if table is not None:
-        with pa.OSFile(out, "wb") as file, pa.ipc.new_file(file, table.schema) as writer:
-            writer.write_table(table)
-    sys.stdout.write(json.dumps(problems))
+    read = load(Path(path), FILES[key])
+    if read.table is not None:
+        with pa.OSFile(out, "wb") as file, pa.ipc.new_file(file, read.table.schema) as writer:
+            writer.write_table(read.table)
+    sys.stdout.write(json.dumps({"problems": read.problems, "notes": read.notes}))
 
 
 if __name__ == "__main__":

@@ -19,7 +19,9 @@ from numpy.typing import NDArray
 from data_collection.files import replacing
 from features.table_check import problems_of_tables
 from features.table_columns import EXPECTED, FILES, Column, Words
-from features.table_files import conform, load, numbers
+from features.table_files import Read, load, numbers
+from features.table_rounding import without_rounding
+from features.table_types import conform
 
 Texts = tuple[str | None, ...]
 
@@ -90,8 +92,8 @@ def check_table(
     """List every breach of the contract in two files: file, column, row, what is expected.
 
     Args:
-        trials: Parquet file of the trials.
-        objects: Parquet file of the objects.
+        trials: Parquet file of the trials, or a folder of such files.
+        objects: The same of the objects.
         words: The experiment's words of each channel; with it, any other word is a breach.
         need_attention: Whether every trial's `attended_object` must be known (training needs it).
     """
@@ -107,6 +109,27 @@ def import_table(
 ) -> FeatureTable:
     """Read a feature table of unknown origin, in child processes with limited memory; see `check_table`.
 
+    What its program wrote otherwise than the contract says is converted where nothing is lost (`import_with_notes`
+    says what): whole numbers and vectors of other types, colors that sum to 1 but for rounding, and texts in another
+    normal form of Unicode than C.
+
+    Args:
+        trials: Parquet file of the trials, or a folder of such files.
+        objects: The same of the objects.
+        words: The experiment's words of each channel; with it, any other word is a breach.
+        need_attention: Whether every trial's `attended_object` must be known.
+
+    Raises:
+        TableError: The files break the contract; the message lists all problems.
+    """
+    return import_with_notes(trials, objects, words=words, need_attention=need_attention)[0]
+
+
+def import_with_notes(
+    trials: Path | str, objects: Path | str, *, words: Words | None = None, need_attention: bool
+) -> tuple[FeatureTable, list[str]]:
+    """What `import_table` reads, and a line for each thing that was converted or passed over.
+
     Raises:
         TableError: The files break the contract; the message lists all problems.
     """
@@ -114,7 +137,8 @@ def import_table(
 
     paths = Path(trials), Path(objects)
     read = load_apart(dict(zip(FILES, paths, strict=True)))
-    return _sound_table(paths, tuple(read[key] for key in FILES), words, need_attention)
+    each = [without_rounding(path, read[key], FILES[key]) for key, path in zip(FILES, paths, strict=True)]
+    return _sound_table(paths, each, words, need_attention), [note for one in each for note in one.notes]
 
 
 def read_table(trials: Path | str, objects: Path | str, *, need_attention: bool) -> FeatureTable:
@@ -124,24 +148,25 @@ def read_table(trials: Path | str, objects: Path | str, *, need_attention: bool)
         TableError: The files break the contract; the message lists all problems.
     """
     paths = Path(trials), Path(objects)
-    read = tuple(load(path, columns) for path, columns in zip(paths, FILES.values(), strict=True))
+    read = [load(path, columns) for path, columns in zip(paths, FILES.values(), strict=True)]
     return _sound_table(paths, read, None, need_attention)
 
 
 def _sound_table(
     paths: tuple[Path, Path],
-    read: Sequence[tuple[Any, list[str]]],
+    read: Sequence[Read],
     words: Words | None,
     need_attention: bool,
 ) -> FeatureTable:
-    """The table of two files, given as Arrow tables with the problems of reading them.
+    """The table of two files that were read.
 
     Raises:
-        TableError: There are such problems, or the values break the contract.
+        TableError: There were problems, or the values break the contract.
     """
-    (trials, trials_problems), (objects, objects_problems) = read
-    problems = problems_of_tables(paths, trials, objects, need_attention=need_attention, words=words)
-    if problems := [*trials_problems, *objects_problems, *problems]:
+    trials, objects = (one.table for one in read)
+    problems = [problem for one in read for problem in one.problems]
+    problems += problems_of_tables(paths, trials, objects, need_attention=need_attention, words=words)
+    if problems:
         raise TableError(problems)
     trials = trials.sort_by("trial")
     objects = objects.sort_by([("trial", "ascending"), ("object", "ascending")])

@@ -79,7 +79,9 @@ def _column_problems(place: _Place, column: Column, values: Any, words: Words | 
         allowed = _allowed_words(column, words)
         rows = values.to_pylist()
         sentences = [row if column.kind == "words" else [row] for row in rows]
-        bad = {row: text for row, sentence in enumerate(sentences) if rows[row] is not None
+        unknown = " (null where it is not known)" if column.kind == "text" else ""
+        bad = {row: text + unknown * (rows[row] == "")
+               for row, sentence in enumerate(sentences) if rows[row] is not None
                for text in [_word_problem(sentence, allowed)] if text}  # fmt: skip
         yield from place.at(bad, bad.__getitem__)
 
@@ -135,10 +137,19 @@ def _vector_problems(place: _Place, column: Column, values: Any, null: NDArray[n
         wrong = (np.abs(total - 1) > COLOR_SUM_TOLERANCE) & (lengths > 0) & ~unusable
         breaches += [
             (in_row(number < 0), lambda row: "holds a negative number; expected 0 to 1"),
-            (wrong, lambda row: f"sums to {total[row]:.9g}; expected 1"),
+            (wrong, lambda row: f"sums to {total[row]:.9g}; expected 1{_unit(np.asarray(total[wrong], np.float64))}"),
         ]
     for rows, describe in breaches:
         yield from place.at(np.flatnonzero(rows), describe)
+
+
+def _unit(total: NDArray[np.float64]) -> str:
+    """What histograms seem to count that do not sum to 1, and what helps."""
+    if np.all(np.abs(total - 100) < 1):
+        return " (per cent? divide each by 100)"
+    if np.all(np.abs(total - 255) < 2):
+        return " (of 255? divide each by 255)"
+    return " (counts? divide each histogram by its sum)" if np.all(total > 2) else ""
 
 
 Keys = Sequence[Any]

@@ -1,12 +1,12 @@
-"""Read a Parquet file into exactly the columns of the contract.
+"""Read a Parquet file, or a folder of them, into exactly the columns of the contract.
 
-Equivalent Arrow encodings are accepted, because other programs write them: any integer width, single or double
-precision, `large_*`, view, dictionary and fixed-size types. Everything else is reported by name.
+Every encoding that Arrow reads is accepted, whoever wrote it; `features.table_types` says which types are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,57 +16,141 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from features.size_limits import MAX_TABLE_BYTES, MAX_TABLE_ROWS, MAX_TABLE_VALUES, MAX_TEXT_BYTES
-from features.table_columns import EXPECTED, Column
+from features.size_limits import (
+    MAX_TABLE_BYTES,
+    MAX_TABLE_PARTS,
+    MAX_TABLE_ROWS,
+    MAX_TABLE_VALUES,
+    MAX_TEXT_BYTES,
+)
+from features.table_columns import Column
+from features.table_parts import PART_SUFFIXES, no_file, no_parquet, parts_of, restored
+from features.table_types import conform, fitting, holds_text, is_list
 
-DAMAGED = "not a Parquet file, truncated or damaged"
+NOT_READ = "uses a part of the Parquet format that is not read here (write it again with pandas or pyarrow)"
+NOT_YET = "ot yet implemented"  # what Arrow says of such a part, be it as one error or another
+FOOTER_LIMITS: Mapping[str, int] = {"thrift_string_size_limit": 2**30, "thrift_container_size_limit": 10**7}
 
 
-def load(path: Path, columns: Sequence[Column]) -> tuple[Any, list[str]]:
-    """Read a Parquet file as an Arrow table of the usable ones of `columns`, in the types of the contract.
+@dataclass(frozen=True)
+class Read:
+    """What came of reading a file.
 
-    Returns:
-        The table, or None if the file cannot be read, and the problems of the file and of its columns' types.
+    Attributes:
+        table: Arrow table of the usable columns of the contract, in its types; None if the file cannot be read.
+        problems: What is wrong with the file and with its columns' types.
+        notes: What was converted or passed over.
     """
-    if not path.is_file():
-        return None, [f"{path}: no such file" if not path.exists() else f"{path}: not a file"]
-    if path.stat().st_size > MAX_TABLE_BYTES:
-        return None, [f"{path}: {path.stat().st_size:,} bytes; at most {MAX_TABLE_BYTES:,} are read"]
+
+    table: Any
+    problems: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+def load(path: Path, columns: Sequence[Column]) -> Read:
+    """Read a Parquet file, or a folder of such files, as one table of the usable ones of `columns`."""
+    parts = parts_of(path)
+    if not parts:
+        return Read(None, [f"{path}: a folder without Parquet files ({', '.join(PART_SUFFIXES)})"])
+    if len(parts) > MAX_TABLE_PARTS:
+        return Read(
+            None, [f"{path}: {len(parts):,} Parquet files; at most {MAX_TABLE_PARTS:,} are read as one table"]
+        )
+    if problems := [problem for part in parts for problem in no_file(part)]:
+        return Read(None, problems)
     try:
-        return _load(path, columns)
+        return _load(path, parts, columns)
     except MemoryError:
-        return None, [f"{path}: larger than a table may be: reading it takes too much memory"]
-    except (pa.ArrowException, OSError, ValueError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        return None, [f"{path}: {DAMAGED}: {reason}"]
+        return Read(None, [f"{path}: larger than a table may be: reading it takes too much memory"])
 
 
-def _load(path: Path, columns: Sequence[Column]) -> tuple[Any, list[str]]:
-    with pq.ParquetFile(path) as parquet:
-        leaves = [parquet.schema.column(i) for i in range(len(parquet.schema))]
+def _load(path: Path, parts: Sequence[Path], columns: Sequence[Column]) -> Read:
+    """Read parts one after the other, as long as all of them together are not too big."""
+    read, sizes = [], []
+    for part in parts:
+        try:
+            with pq.ParquetFile(part, **FOOTER_LIMITS) as parquet:
+                sizes.append(_size(parquet))
+            if problems := _too_big(path, sizes):
+                return Read(None, problems)
+            if len(parts) > 1 and sizes[-1][0] == 0:
+                continue  # a part without rows often has no types either
+            read.append(_load_part(part, columns))
+        except MemoryError:
+            raise
+        except (pa.ArrowException, OSError, ValueError) as error:
+            what = NOT_READ if NOT_YET in str(error) else no_parquet(part)
+            return Read(None, [f"{part}: {what}: {_reason(error)}"])
+    problems = [problem for each in read for problem in each.problems]
+    problems += [] if read else [f"{path}: has no rows; expected at least one"]
+    notes = list(dict.fromkeys(note for each in read for note in each.notes))
+    if not read or any(each.table is None for each in read):
+        return Read(None, problems, notes)
+    return Read(pa.concat_tables([each.table for each in read], promote_options="default"), problems, notes)
+
+
+def _reason(error: Exception) -> str:
+    return str(error).splitlines()[0] if str(error) else type(error).__name__
+
+
+def _load_part(path: Path, columns: Sequence[Column]) -> Read:
+    with pq.ParquetFile(path, **FOOTER_LIMITS) as parquet:
         values = _values_per_leaf(parquet.metadata)
-        if problems := _too_big(path, parquet.metadata, leaves, values):
-            return None, problems
-        usable, problems = _fitting(str(path), parquet.schema_arrow, columns)
+        fields = _fields_of_leaves(parquet.schema_arrow)
+        leaves = [parquet.schema.column(i) for i in range(len(parquet.schema))]
+        absent = restored(path, parquet.schema_arrow, columns, parquet.metadata.num_rows)
+        usable, problems, notes = fitting(str(path), parquet.schema_arrow, columns, tuple(absent))
     # Unknown columns are not read. Texts are read as dictionaries: a short list of long texts could otherwise
     # become gigabytes.
-    names = [column.name for column in usable]
+    names = [column.name for column in usable if column.name not in absent]
     texts = [leaf.path for leaf in leaves if _is_text(leaf)]
-    with pq.ParquetFile(path, read_dictionary=texts, page_checksum_verification=True) as parquet:
-        # One group at a time: Arrow does not join the dictionaries of lists of texts.
-        groups = [parquet.read_row_group(i, names, use_threads=False) for i in range(parquet.num_row_groups)]
-        table = pa.concat_tables(groups) if groups else pa.Table.from_batches([], parquet.schema_arrow)
-    table = table.select(names)
+    try:
+        table = _groups(path, names, texts)
+    except (pa.ArrowNotImplementedError, OSError) as error:
+        if NOT_YET not in str(error):
+            raise
+        # An encoding that Arrow reads, but not as a dictionary.
+        table = _groups(path, names, [])
     table.validate(full=True)
-    for leaf, expected in zip(leaves, values, strict=True):
-        name = leaf.path.split(".")[0]
-        if name in names and (found := _count(table.column(name))) != expected:
-            raise ValueError(f"column {name!r} holds {found:,} values, but the footer says {expected:,}")
     for name in names:
+        expected = [value for field_, value in zip(fields, values, strict=True) if field_ == name]
+        if len(expected) == 1 and (found := _count(table.column(name))) != expected[0]:
+            raise ValueError(f"column {name!r} holds {found:,} values, but the footer says {expected[0]:,}")
         if _longest_text(table.column(name)) > MAX_TEXT_BYTES:
-            return None, [f"{path}: column {name!r} has a text of more than {MAX_TEXT_BYTES} bytes"]
-    kept, more = conform(str(path), table, usable)
-    return kept, problems + more
+            return Read(None, [f"{path}: column {name!r} has a text of more than {MAX_TEXT_BYTES} bytes"])
+    for name, array in absent.items():
+        table = table.append_column(name, array)
+    kept, more, converted = conform(str(path), table, usable)
+    return Read(kept, problems + more, notes + converted)
+
+
+def _groups(path: Path, names: Sequence[str], texts: Sequence[str]) -> Any:
+    """Columns of a file, `texts` as dictionaries."""
+    options = {**FOOTER_LIMITS, "read_dictionary": list(texts), "page_checksum_verification": True}
+    with pq.ParquetFile(path, **options) as parquet:
+        # One group at a time: Arrow does not join the dictionaries of lists of texts.
+        groups = [parquet.read_row_group(i, list(names), use_threads=False) for i in range(parquet.num_row_groups)]
+        table = pa.concat_tables(groups) if groups else pa.Table.from_batches([], parquet.schema_arrow)
+    return table.select(list(names))
+
+
+def _fields_of_leaves(schema: Any) -> list[str]:
+    """The column that each leaf of a Parquet file belongs to; paths do not tell `words.x` from a part of it."""
+    return [field_.name for field_ in schema for _ in range(_leaves(field_.type))]
+
+
+def _leaves(type_: Any) -> int:
+    if isinstance(type_, pa.BaseExtensionType):
+        return _leaves(type_.storage_type)
+    if pa.types.is_dictionary(type_):
+        return _leaves(type_.value_type)
+    if pa.types.is_map(type_):
+        return _leaves(type_.key_type) + _leaves(type_.item_type)
+    if is_list(type_):
+        return _leaves(type_.value_type)
+    if pa.types.is_struct(type_):
+        return sum(_leaves(field_.type) for field_ in type_)
+    return 1
 
 
 def _values_per_leaf(metadata: Any) -> list[int]:
@@ -77,12 +161,19 @@ def _values_per_leaf(metadata: Any) -> list[int]:
     return [sum(group.column(i).num_values for group in groups) for i in range(metadata.num_columns)]
 
 
-def _too_big(path: Path, metadata: Any, leaves: Sequence[Any], values: Sequence[int]) -> list[str]:
-    """Refuse a file that would be too big when unpacked, by what its footer says."""
+def _size(parquet: Any) -> NDArray[np.int64]:
+    """Rows, numbers and texts of the longest columns, and bytes of a file when unpacked, by what its footer says."""
+    metadata, schema = parquet.metadata, parquet.schema
+    texts, numbers = [0], [0]
+    for i, count in enumerate(_values_per_leaf(metadata)):
+        (texts if _is_text(schema.column(i)) else numbers).append(count)
     unpacked = sum(metadata.row_group(i).total_byte_size for i in range(metadata.num_row_groups))
-    texts = max((count for leaf, count in zip(leaves, values, strict=True) if _is_text(leaf)), default=0)
-    numbers = max((count for leaf, count in zip(leaves, values, strict=True) if not _is_text(leaf)), default=0)
-    rows = metadata.num_rows
+    return np.array([metadata.num_rows, max(numbers), max(texts), unpacked])
+
+
+def _too_big(path: Path, sizes: Sequence[NDArray[np.int64]]) -> list[str]:
+    """Refuse files that would be too big together when unpacked."""
+    rows, numbers, texts, unpacked = (int(number) for number in np.sum(sizes, axis=0))
     if unpacked > MAX_TABLE_BYTES or numbers > MAX_TABLE_VALUES or max(rows, texts) > MAX_TABLE_ROWS:
         return [
             f"{path}: holds {rows:,} rows, up to {numbers:,} numbers and {texts:,} texts in one column and "
@@ -97,83 +188,25 @@ def _is_text(leaf: Any) -> bool:
     return str(leaf.physical_type) == "BYTE_ARRAY"
 
 
-def _is_list(type_: Any) -> bool:
-    return any(test(type_) for test in (pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list))
-
-
 def _count(values: Any) -> int:
     """How many values a column holds, as Parquet counts them: an empty or missing list is one."""
-    if not _is_list(values.type):
+    if isinstance(values.type, pa.BaseExtensionType):  # numbers of a tensor
+        return sum(len(chunk.storage.flatten()) for chunk in values.chunks)
+    if not is_list(values.type):
         return len(values)
     return pc.sum(pc.max_element_wise(pc.list_value_length(values), 1)).as_py() or 0
 
 
 def _longest_text(values: Any) -> int:
-    """Bytes of the longest text of a column that was read as a dictionary; 0 for any other column."""
+    """Bytes of the longest text of a column; 0 for any other column."""
     longest = 0
     for chunk in values.chunks:
-        inner = chunk.values if _is_list(chunk.type) else chunk
+        inner = chunk.values if is_list(chunk.type) else chunk
         if pa.types.is_dictionary(inner.type):
-            longest = max(longest, pc.max(pc.binary_length(inner.dictionary)).as_py() or 0)
+            inner = inner.dictionary
+        if holds_text(inner.type):
+            longest = max(longest, pc.max(pc.binary_length(inner.cast(pa.large_binary()))).as_py() or 0)
     return longest
-
-
-def conform(file: str, table: Any, columns: Sequence[Column]) -> tuple[Any, list[str]]:
-    """Keep the usable ones of `columns` in the types of the contract, and report what is wrong with the others."""
-    usable, problems = _fitting(file, table.schema, columns)
-    kept = {}
-    for column in usable:
-        expected = EXPECTED[column.kind]
-        try:
-            values = table.column(column.name).cast(expected)
-            kept[column.name] = pa.concat_arrays(values.chunks or [pa.array([], expected)])
-        except pa.ArrowInvalid as error:
-            problems.append(f"{file}: column {column.name!r}: {error}; expected {expected}")
-    return pa.table(kept), problems
-
-
-def _fitting(file: str, schema: Any, columns: Sequence[Column]) -> tuple[list[Column], list[str]]:
-    """The ones of `columns` that a schema has in a fitting type, and what is wrong with the others."""
-    names = [column.name for column in columns]
-    problems = [
-        f"{file}: unknown column {name!r}; allowed: {', '.join(names)}"
-        for name in dict.fromkeys(schema.names)
-        if name not in names
-    ]
-    usable = []
-    for column in columns:
-        count = schema.names.count(column.name)
-        where, expected = f"{file}: column {column.name!r}", EXPECTED[column.kind]
-        if count > 1:
-            problems.append(f"{where} occurs {count} times; expected once")
-        elif count == 0 and column.required:
-            problems.append(f"{where} is missing; expected {expected}")
-        elif count == 1 and not _fits(type_ := schema.field(column.name).type, column):
-            problems.append(f"{where} has type {type_}; expected {expected}")
-        elif count == 1:
-            usable.append(column)
-    return usable, problems
-
-
-def _fits(type_: Any, column: Column) -> bool:
-    """Whether an Arrow type holds the column's kind without loss."""
-    if pa.types.is_null(type_):
-        return column.nullable
-    if column.kind == "integer":
-        return bool(pa.types.is_integer(type_))
-    if column.kind == "text":
-        return _holds_text(type_)
-    if not _is_list(type_):
-        return False
-    if column.kind == "vector":
-        return bool(pa.types.is_floating(type_.value_type))
-    # A file whose sentences are all empty has no type of word.
-    return bool(pa.types.is_null(type_.value_type)) or _holds_text(type_.value_type)
-
-
-def _holds_text(type_: Any) -> bool:
-    type_ = type_.value_type if pa.types.is_dictionary(type_) else type_
-    return any(test(type_) for test in (pa.types.is_string, pa.types.is_large_string, pa.types.is_string_view))
 
 
 def nulls(array: Any) -> NDArray[np.bool_]:

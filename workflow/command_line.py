@@ -16,6 +16,7 @@ from workflow.artifacts.store import Store
 from workflow.execution.progress import working_at
 from workflow.plan.config import ConfigError
 from workflow.plan.loading import load_study
+from workflow.plan.out_folder import refuse_sources
 from workflow.plan.study import Study
 
 WRONG = 2
@@ -86,6 +87,7 @@ def _command(arguments: argparse.Namespace) -> int:
         case "run":
             if arguments.cores is not None and arguments.cores < 1:
                 raise ValueError(f"--cores {arguments.cores}: must be at least 1")
+            refuse_sources(arguments.out)
             store = _store(arguments)
             with working_at("checking the config, and the files that it names"):
                 study = load_study(arguments.config)  # finds mistakes before anything starts

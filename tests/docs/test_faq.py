@@ -128,8 +128,10 @@ def test_a_config_is_refused_as_the_page_says(heading: str, tmp_path: Path) -> N
 def test_set_up_without_python(tmp_path: Path, in_folder: Callable[..., str]) -> None:
     for name in ("Makefile", "environment.lock"):
         shutil.copy(ROOT / name, tmp_path)
+    shutil.copytree(ROOT / ".ci", tmp_path / ".ci")
     (tmp_path / "bin").mkdir()
-    (tmp_path / "bin" / "rm").symlink_to(shutil.which("rm") or "/bin/rm")
+    for name in ("rm", "cat", "cut", "sha256sum"):
+        (tmp_path / "bin" / name).symlink_to(shutil.which(name) or f"/bin/{name}")
     make = shutil.which("make") or "make"
     show(SHOWN["Set-up"], in_folder(tmp_path, make, "setup", PATH=str(tmp_path / "bin")))
 
@@ -161,7 +163,7 @@ def test_fewer_components(caplog: pytest.LogCaptureFixture) -> None:
 
 @pytest.mark.slow
 def test_objects_not_found(repository: Path, in_repository: Callable[..., str]) -> None:
-    change = {"experiments": {"simulator": {"feature_extraction": {"detection": {"most_objects": 1}}}}}
+    change = {"experiments": {"simulator": {"feature_extraction": {"detection": {"smallest_area": 100_000}}}}}
     config = patched(yaml.safe_load(SMOKE.read_text(encoding="utf-8")), change)
     (repository / "config" / "changed.yaml").write_text(yaml.safe_dump(config), encoding="utf-8")
     run = ["-m", "workflow", "run", "--config", "config/changed.yaml", "--out", "results", "--cores", "1"]

@@ -41,6 +41,12 @@ def rows() -> list[dict[str, object]]:
     ]
 
 
+def named(text: str) -> str:
+    """A text with the names of the clips of `key`, which hold a digest."""
+    digest = make_key(rows(), ALLOWED, np.random.default_rng(1))["clip"][0].split("_")[1]
+    return text.replace("clip_0", f"clip_{digest}_0")
+
+
 @pytest.fixture
 def key() -> pd.DataFrame:
     return make_key(rows(), ALLOWED, np.random.default_rng(1))
@@ -61,13 +67,24 @@ def fill(key: pd.DataFrame, path: Path, rater: str, words: dict[str, str], delim
 def test_the_form_is_blind(key: pd.DataFrame, out: Path) -> None:
     write_form(key, out / "form.csv")
     text = (out / "form.csv").read_text()
-    assert text.splitlines()[:2] == ["clip,rater,word,allowed", "clip_001,,,reach touch look-at"]
+    assert text.splitlines()[:2] == ["clip,rater,word,allowed", named("clip_001,,,reach touch look-at")]
     assert not any(word in text for word in ("proposed", "mmlda", "own"))
     # Clips of one method do not stand together, and the same seed gives the same order.
     assert list(key["method"]) != sorted(key["method"])
     assert list(key["method"]) != sorted(key["method"], reverse=True)
     assert key.equals(make_key(rows(), ALLOWED, np.random.default_rng(1)))
     assert sorted(zip(key["method"], key["trial"], strict=True)) == sorted((r["method"], r["trial"]) for r in rows())
+
+
+@pytest.mark.bad_input
+def test_a_form_for_an_earlier_key_is_not_counted(key: pd.DataFrame, out: Path) -> None:
+    for other in (
+        make_key(rows(), ALLOWED, np.random.default_rng(2)),
+        make_key(rows(), ALLOWED[:2], np.random.default_rng(1)),
+    ):
+        form = fill(other, out / "form.csv", "Ann", dict.fromkeys(other["clip"], "reach"))
+        with pytest.raises(RatingError, match="is unknown"):
+            read_forms([form], key)
 
 
 def test_human_and_automatic_rates(key: pd.DataFrame, out: Path) -> None:
@@ -88,7 +105,7 @@ def test_human_and_automatic_rates(key: pd.DataFrame, out: Path) -> None:
 
 
 def test_one_rater_has_no_spread(key: pd.DataFrame) -> None:
-    rates = human_rates([Rating("clip_001", "Ann", "reach")], key)
+    rates = human_rates([Rating(named("clip_001"), "Ann", "reach")], key)
     assert rates["raters"].tolist() == [1]
     assert rates["human_WAR_sd"].isna().all()
 
@@ -112,16 +129,16 @@ def test_one_rater_has_no_spread(key: pd.DataFrame) -> None:
 def test_forms_that_cannot_be_counted(key: pd.DataFrame, out: Path, lines: str | bytes | None, says: str) -> None:
     path = out / "form.csv"
     if lines is not None:
-        path.write_bytes(lines if isinstance(lines, bytes) else lines.encode())
+        path.write_bytes(lines if isinstance(lines, bytes) else named(lines).encode())
     with pytest.raises(RatingError) as caught:
         read_forms([path], key)
-    assert says in str(caught.value)
+    assert named(says) in str(caught.value)
     assert str(path) in str(caught.value)
 
 
 @pytest.mark.bad_input
 def test_all_that_is_wrong_is_said_at_once(key: pd.DataFrame, out: Path) -> None:
-    (out / "form.csv").write_text("clip,rater,word\nclip_9,Ann,reach\nclip_001,Ann,x\nclip_002,Ann,reach\n")
+    (out / "form.csv").write_text(named("clip,rater,word\nclip_9,Ann,reach\nclip_001,Ann,x\nclip_002,Ann,reach\n"))
     with pytest.raises(RatingError) as caught:
         read_forms([out / "form.csv", out / "form.csv"], key)
     assert len(caught.value.problems) == 5
@@ -143,7 +160,7 @@ def test_the_command(key: pd.DataFrame, out: Path, capsys: pytest.CaptureFixture
     assert main([*arguments, "--out", str(out / "rates.csv")]) == 0
     assert "human_WAR" in capsys.readouterr().out
     assert pd.read_csv(out / "rates.csv")["human_WAR"].tolist() == pytest.approx([1 / 3, 1 / 3])
-    form.write_text("clip,rater,word\nclip_001,Ann,push\n")
+    form.write_text(named("clip,rater,word\nclip_001,Ann,push\n"))
     assert main(arguments) == 2
     assert "'push' is not a word to choose" in capsys.readouterr().err
 

@@ -278,7 +278,7 @@ def test_contradictions_are_named(change: dict[str, Any], where: str, says: str)
         ({"ROW": [5, 5]}, ".ROW: 5 stands twice (rates of omitted words in per cent)"),
         (
             {"seeds": 2.0},
-            ".seeds: 2.0 must be a whole number from 1 to 100000 (fits per condition, with seeds 1, 2, …)",
+            ".seeds: 2.0 must be a whole number from 1 to 100000 (fits per condition, with seeds 1, 2, …); write 2",
         ),
         (
             {"methods": ["propsed"]},
@@ -377,8 +377,8 @@ def test_sharing_the_data_of_an_experiment_that_shares() -> None:
         ("a: !!int '5'", "tags are not used"),
         ("a: !own {x: 1}", "tags are not used"),
         ("!!map {a: 1}", "tags are not used"),
-        ("a: &x {b: 1}\nc: {<<: *x}", "aliases are not used"),
-        ("a: {<<: {b: 1}}", "'<<' is not text"),
+        ("a: &x {b: 1}\nc: {<<: *x}", "merge keys .<<. are not used here"),
+        ("a: {<<: {b: 1}}", "merge keys .<<. are not used here"),
         ("a: &x [*x]", "aliases are not used"),
         (
             "a0: &a0 [x, x]\n" + "".join(f"a{i}: &a{i} [*a{i - 1}, *a{i - 1}]\n" for i in range(1, 60)),

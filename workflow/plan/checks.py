@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 from data_collection.log.numbering import file_of_trial
 from model.methods import METHODS
 from model.samplers import SAMPLERS
 from workflow.plan.config_types import CHANNELS, WORDLESS
 from workflow.plan.experiment import TASKS, Experiment, log_folder_trials
+from workflow.plan.own_tables import braces, named_by, table_problems
 from workflow.plan.problems import key_path
-from workflow.plan.study import Study, feature_files
+from workflow.plan.study import Study
 from workflow.plan.study_config import ExperimentConfig, StudyConfig, completed
 
 MAX_FITS = 100_000
@@ -67,12 +67,32 @@ def contradictions(name: str, config: StudyConfig) -> Iterator[str]:
         for other in CHANNELS[i + 1 :]:
             for word in sorted(set(getattr(words, channel)) & set(getattr(words, other))):
                 yield f"{where}.words: {word!r} is a word of {channel} and of {other} (allowed: one channel per word)"
+    yield from _implausible_counts(where, own)
     yield from _tests_without_effect(where, own)
     yield from _conditions_not_run(where, settings)
     trials = experiments[owner].trials
     for i, D in enumerate(own.D):
         if trials is not None and D > trials:
             yield f"{where}.D[{i}]: {D} is more than the {trials} trials collected (experiments.{owner}.trials)"
+
+
+def _implausible_counts(where: str, own: ExperimentConfig) -> Iterator[str]:
+    """Numbers of objects that are simulated, but that would stop the run when they are seen."""
+    simulated, detection = own.simulation, own.feature_extraction.detection
+    elsewhere = {"features", "logs", "data"} & own.model_fields_set
+    if elsewhere or detection.on_wrong_count != "error":
+        return
+    place = f"{where}.feature_extraction.detection"
+    if "most_objects" in detection.model_fields_set and detection.most_objects < simulated.objects_most:
+        yield (
+            f"{place}.most_objects: {detection.most_objects} is less than the {simulated.objects_most} objects that "
+            f"are simulated ({where}.simulation.objects_most)"
+        )
+    if detection.fewest_objects > simulated.objects_least:
+        yield (
+            f"{place}.fewest_objects: {detection.fewest_objects} is more than the {simulated.objects_least} objects "
+            f"that are simulated ({where}.simulation.objects_least)"
+        )
 
 
 def _tests_without_effect(where: str, own: ExperimentConfig) -> Iterator[str]:
@@ -141,15 +161,21 @@ def grid_problems(study: Study, name: str) -> Iterator[str]:
         yield f"{where}.figure: no fit has {shown} (allowed: {'; '.join(allowed)})"
 
 
-def data_problems(study: Study, name: str) -> Iterator[str]:
-    """What the data themselves forbid: settings of the simulation, files of one's own of a data set."""
+def data_problems(study: Study, name: str, notes: list[str]) -> Iterator[str]:
+    """What the data themselves forbid: settings of the simulation, files of one's own of a data set.
+
+    Args:
+        study: The plan.
+        name: A data set of an experiment.
+        notes: Gets what a reader should know, but what forbids nothing.
+    """
     experiment = study.experiments[name]
     where = key_path(["experiments", experiment.title])
     if experiment.data != name:
         return
     first = experiment.dataset == 1  # what is the same for all of them is told once
     if first and experiment.source != "features" and (weights := study.weights_file(name)):
-        yield from _braces(f"{where}.feature_extraction.weights", weights)
+        yield from braces(f"{where}.feature_extraction.weights", weights)
         if not weights.is_file():
             yield f"{where}.feature_extraction.weights: {weights} is not a file (nor seeded, nor imagenet1k)"
     if first and experiment.source == "simulation":
@@ -160,13 +186,7 @@ def data_problems(study: Study, name: str) -> Iterator[str]:
     if experiment.source == "features":
         for set_name in ("train", *TASKS):
             if study.trials(name, set_name):
-                yield from _table_problems(study, experiment, set_name)
-
-
-def named_by(experiment: Experiment, key: str) -> list[str | int]:
-    """The key that names the files of a data set, with its place where it is a list."""
-    listed = isinstance(getattr(experiment.settings, key), tuple)
-    return ["experiments", experiment.title, key, *([experiment.dataset - 1] if listed else [])]
+                yield from table_problems(study, experiment, set_name, notes)
 
 
 def too_long(study: Study, experiment: Experiment, words: int) -> str:
@@ -177,15 +197,10 @@ def too_long(study: Study, experiment: Experiment, words: int) -> str:
     return f"{words} words, but method proposed explains at most {len(CHANNELS)} (one per channel)"
 
 
-def _braces(where: str, path: Path) -> Iterator[str]:
-    if set("{}") & set(str(path)):
-        yield f"{where}: {path} has {{ or }} in it, which Snakemake would fill in (rename the file or its folder)"
-
-
 def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
     where = key_path(named_by(experiment, "logs"))
     folder = study.log_folder(experiment.name)
-    yield from _braces(where, folder)
+    yield from braces(where, folder)
     if not (folder / "calibration.mcap").is_file():
         yield f"{where}: {folder / 'calibration.mcap'} is not a file (the log of the camera's calibration)"
     count = len(log_folder_trials(folder, "train"))
@@ -197,39 +212,3 @@ def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
             f"{where}: D is up to {needed}, but {folder / 'train'} holds {count} logs numbered without a gap "
             f"({file_of_trial(1)}, {file_of_trial(2)}, …){there}"
         )
-
-
-def _table_problems(study: Study, experiment: Experiment, set_name: str) -> Iterator[str]:
-    from features.table import TableError, import_table
-
-    where = key_path([*named_by(experiment, "features"), *([] if set_name == "train" else [set_name])])
-    paths = feature_files(study, experiment.name, set_name)
-    for key, path in paths.items():
-        yield from _braces(f"{where}.{key}", path)
-    missing = [f"{where}.{key}: {path} is not a file" for key, path in paths.items() if not path.is_file()]
-    if missing:
-        yield from missing
-        return
-    need_attention = set_name != "generation"
-    try:
-        table = import_table(**paths, words=experiment.words, need_attention=need_attention)
-    except TableError as error:
-        yield from (f"{where}: {problem}" for problem in error.problems)
-        return
-    if set_name != "train":
-        return
-    for user in study.experiments.values():
-        if user.data != experiment.name:
-            continue
-        for i, D in enumerate(user.settings.D):
-            if D > len(table.trial):
-                yield (
-                    f"experiments.{user.title}.D[{i}]: {D} is more than the {len(table.trial)} trials "
-                    f"of {paths['trials']}"
-                )
-        for row, sentence in enumerate(table.words):
-            if len(sentence) > len(CHANNELS) and "proposed" in user.settings.methods:
-                yield (
-                    f"{where}: {paths['trials']}, trial {table.trial[row]}: {len(sentence)} words, but "
-                    f"method proposed explains at most {len(CHANNELS)} (one per channel)"
-                )

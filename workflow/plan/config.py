@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 
 from data_collection.files import replacing
+from workflow.plan.typing_slips import not_utf8, odd_characters, read_as_else
 
 MAX_CONFIG_BYTES = 250_000
 """Size of a config file; the largest vocabulary that is allowed fits."""
@@ -42,16 +43,20 @@ def read_config(path: Path) -> dict[str, Any]:
     try:
         with path.open("rb") as file:
             content = file.read(MAX_CONFIG_BYTES + 1)
-        text = content.decode("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+    except OSError as error:
         raise ConfigError(str(path), [f"cannot be read: {error}"]) from error
     if len(content) > MAX_CONFIG_BYTES:
         raise ConfigError(str(path), [f"larger than {MAX_CONFIG_BYTES:,} bytes, which no config is"])
     try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ConfigError(str(path), [not_utf8(content, error)]) from error
+    try:
         data = yaml.load(text, Loader=_StrictLoader)
     # A number or a date that is none is a ValueError of the library's.
     except (yaml.YAMLError, RecursionError, ValueError) as error:
-        raise ConfigError(str(path), [f"is not plain YAML: {' '.join(str(error).split())}"]) from error
+        told = [f"is not plain YAML: {' '.join(str(error).split())}", *odd_characters(text)]
+        raise ConfigError(str(path), told) from error
     if not isinstance(data, dict):
         raise ConfigError(str(path), ["must be a mapping that begins with keys such as `experiments:`"])
     return data
@@ -92,6 +97,10 @@ class _StrictLoader(yaml.SafeLoader):
                 raise yaml.constructor.ConstructorError(
                     None, None, f"key {key_node.value!r:.60} is not text (quote it)", key_node.start_mark
                 )
+            if key_node.value != key_node.value.strip():
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"key {key_node.value!r:.60} has blanks of another kind about it", key_node.start_mark
+                )
             if key_node.value in seen:
                 raise yaml.constructor.ConstructorError(
                     None, None, f"key {key_node.value!r:.60} stands twice", key_node.start_mark
@@ -103,7 +112,9 @@ class _StrictLoader(yaml.SafeLoader):
         event = self.peek_event()  # type: ignore[no-untyped-call]
         self.values += 1
         problem = None
-        if isinstance(event, yaml.AliasEvent):
+        if isinstance(event, yaml.ScalarEvent) and event.value == "<<" and event.implicit[0]:
+            problem = "merge keys (<<) are not used here: write the keys out"
+        elif isinstance(event, yaml.AliasEvent):
             problem = "aliases are not used here"
         elif event.tag is not None:
             problem = "tags are not used here"
@@ -115,4 +126,6 @@ class _StrictLoader(yaml.SafeLoader):
         is_number = isinstance(node, yaml.ScalarNode) and node.tag != "tag:yaml.org,2002:str"
         if node is not None and is_number and len(node.value) > MAX_NUMBER_LENGTH:
             raise yaml.composer.ComposerError(None, None, "a number that is too long", node.start_mark)
+        if node is not None and is_number and (told := read_as_else(node.tag, node.value)):
+            raise yaml.composer.ComposerError(None, None, told, node.start_mark)
         return node

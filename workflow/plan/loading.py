@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +18,19 @@ from workflow.plan.problems import problems_of
 from workflow.plan.study import Study
 from workflow.plan.study_config import StudyConfig, completed, count_of_sets
 
+log = logging.getLogger(__name__)
+
 
 def load_study(path: Path) -> Study:
-    """Read, check and complete a config file.
+    """Read, check and complete a config file; what stands out without forbidding anything is a warning.
 
     Raises:
         ConfigError: With everything that is wrong.
     """
-    return plan(read_config(path), path)
+    study = plan(read_config(path), path)
+    for note in study.notes:
+        log.warning("note: %s", note)
+    return study
 
 
 def plan(config: Mapping[str, Any], path: Path) -> Study:
@@ -46,8 +53,9 @@ def plan(config: Mapping[str, Any], path: Path) -> Study:
     study = Study({own.name: own for own in sets}, path.parent)
     _stop(path, (problem for name in names for problem in size_problems(study, name)))
     _stop(path, (one for name in names for one in grid_problems(study, name)))
-    _stop(path, (one for own in sets for one in data_problems(study, own.name)))
-    return study
+    notes: list[str] = []
+    _stop(path, (one for own in sets for one in data_problems(study, own.name, notes)))
+    return replace(study, notes=tuple(dict.fromkeys(notes)))
 
 
 def _stop(path: Path, problems: Iterable[str]) -> None:

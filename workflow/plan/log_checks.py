@@ -14,9 +14,10 @@ from features.log_check import CheckedLog, check_log, open_calibration
 from features.percepts import wrong_count
 from features.transforms import LEAST_OBJECTS
 from features.view import View
-from workflow.plan.checks import named_by, too_long
+from workflow.plan.checks import too_long
 from workflow.plan.config_types import CHANNELS
 from workflow.plan.experiment import TASKS, Experiment, log_folder_trials
+from workflow.plan.own_tables import named_by
 from workflow.plan.problems import key_path
 from workflow.plan.study import Study
 

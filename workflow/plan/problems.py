@@ -21,6 +21,7 @@ from workflow.plan.schema import (
     range_text,
     resolved,
 )
+from workflow.plan.typing_slips import number_of, quoted
 
 KINDS = {
     "integer": "a whole number",
@@ -123,7 +124,9 @@ def _explain(
     else:
         expected = KINDS[schema.get("type", "string" if choices(schema) else "object")] + range_text(schema)
         note = _note(schema, meaning) if choices(schema) or schema.get("description") or meaning else ""
-        yield f"{where}: {short(value)} must be {expected}{note}"
+        slip = quoted(value) if expected == "text" and "a word" in note else ""
+        slip = number_of(value) if "number" in expected else slip
+        yield f"{where}: {short(value)} must be {expected}{note}{f'; {slip}' if slip else ''}"
 
 
 def _place(loc: Sequence[str | int], config: Any) -> tuple[list[str | int], Schema, str]:

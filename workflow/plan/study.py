@@ -20,10 +20,12 @@ class Study:
     Attributes:
         experiments: Every data set of every experiment, by name: an experiment of one data set is this.
         folder: The folder of the config file, to which its paths are relative.
+        notes: What a reader should know of the data that the config names, though nothing is wrong with it.
     """
 
     experiments: Mapping[str, Experiment]
     folder: Path
+    notes: tuple[str, ...] = ()
 
     @property
     def first_sets(self) -> dict[str, Experiment]:

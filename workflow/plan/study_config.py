@@ -193,8 +193,13 @@ def completed(config: StudyConfig, name: str) -> ExperimentConfig:
     """The settings of an experiment, with those that it shares and the defaults that depend on its other keys."""
     own = config.experiments[name]
     largest, fullest = (max(own.D),), (min(own.ROW),)
+    extraction, simulated = own.feature_extraction, own.simulation.objects_most
+    most = max(extraction.detection.most_objects, simulated)
     settings: ExperimentConfig = with_defaults(own, **config.given()).model_copy(
         update={
+            "feature_extraction": extraction.model_copy(
+                update={"detection": with_defaults(extraction.detection, most_objects=most)}
+            ),
             "generation": with_defaults(own.generation, D=largest, ROW=fullest),
             "description": with_defaults(own.description, D=own.D, ROW=own.ROW),
         }

@@ -12,6 +12,7 @@ from workflow.plan.config import ConfigError, copied_from
 from workflow.artifacts.provenance import lock_hash, rule_code
 from data_collection.processor import pin
 from data_collection.log.numbering import file_of_trial
+from features.table_parts import parts_of
 from workflow.plan.loading import plan
 from evaluation.data_sets import FIT_PATH
 from workflow.plan.conditions import CHAIN_PATH

@@ -66,7 +66,7 @@ rule test_features:
 
 rule own_features:
     input:
-        unpack(lambda wildcards: feature_files(study, wildcards.experiment, wildcards.set)),
+        unpack(own_tables),
     output:
         trials="features/{experiment}/D{D}/{set}_trials.parquet",
         objects="features/{experiment}/D{D}/{set}_objects.parquet",

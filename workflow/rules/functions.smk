@@ -68,6 +68,12 @@ def extraction(wildcards):
     return plain(settings(wildcards).feature_extraction) | replaced
 
 
+def own_tables(wildcards):
+    """The files of a feature table of one's own: of a folder, all its parts."""
+    files = feature_files(study, wildcards.experiment, wildcards.set)
+    return {key: [str(part) for part in parts_of(path)] if path.is_dir() else str(path) for key, path in files.items()}
+
+
 # model.smk
 
 

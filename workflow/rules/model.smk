@@ -7,7 +7,7 @@ rule fit:
     output:
         FIT_PATH,
     log:
-        "joblogs/fit/{experiment}/{variant}_{method}_{sampler}_D{D}_ROW{ROW}_seed{seed}.log",
+        "joblogs/fit/{experiment}/{variant}/{method}/{sampler}/D{D}_ROW{ROW}_seed{seed}.log",
     group:
         "fits"
     params:
@@ -24,4 +24,4 @@ use rule fit as fit_chain with:
     output:
         CHAIN_PATH,
     log:
-        "joblogs/fit_chain/{experiment}/{variant}_{method}_{sampler}_D{D}_ROW{ROW}_seed{seed}_chain{chain}.log",
+        "joblogs/fit_chain/{experiment}/{variant}/{method}/{sampler}/D{D}_ROW{ROW}_seed{seed}_chain{chain}.log",

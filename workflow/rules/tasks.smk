@@ -30,7 +30,7 @@ rule generate:
         scores=f"{GENERATION_PATH}/scores.csv",
         logs=directory(f"{GENERATION_PATH}/mcap"),
     log:
-        "joblogs/generate/{experiment}/{variant}_{method}_{sampler}_D{D}_ROW{ROW}_seed{seed}.log",
+        "joblogs/generate/{experiment}/{variant}/{method}/{sampler}/D{D}_ROW{ROW}_seed{seed}.log",
     group:
         "fits"
     params:
