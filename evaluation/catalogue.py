@@ -78,14 +78,14 @@ FIGURES = {
         "category is named by its most probable word; categories without an object are left out.",
         "Figures 4D and 8D",
     ),
-    "curves_over_omission": Figure(
+    "omission_curves": Figure(
         "curves:over_omission",
         "scores over ROW",
         "Every measure over the share of the words that were left out, for the largest and the smallest D, "
         + _CURVES,
         first=True,
     ),
-    "curves_over_trials": Figure(
+    "learning_curves": Figure(
         "curves:over_trials",
         "scores over D",
         "Every measure over the number of trials, for the smallest and the largest share of words left out, "

@@ -18,6 +18,7 @@ from data_collection.log.mcap_log import Log, read_log, write_log
 from features.log_check import check_log
 from tests.features.conftest import Logs, Scene
 from workflow import __main__ as command
+from workflow import command_line
 from workflow.artifacts.remembered import recall, remember
 from workflow.plan import log_checks
 from workflow.plan.loading import load_study
@@ -230,7 +231,7 @@ def test_check_and_run_refuse_alike(
     logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(command, "SECONDS_OF_SILENCE", -1.0)
+    monkeypatch.setattr(command_line, "SECONDS_OF_SILENCE", -1.0)
     path = config(logs)
     check = ["workflow", "check", "--config", str(path)]
     monkeypatch.setattr("sys.argv", check)

@@ -92,6 +92,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "evaluation.uncertain",
         "evaluation.confusion",
         "evaluation.generation",
+        "evaluation.measures",
+        "evaluation.replicates",
         "evaluation.scores",
         "model",
         "features",
