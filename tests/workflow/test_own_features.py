@@ -82,6 +82,23 @@ def test_fewer_trials_are_the_first(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_what_names_of_parts_tell_is_part_of_the_key(tmp_path: Path) -> None:
+    """The same files in a folder of another name tell of other values."""
+    config = write_own_study(tmp_path, features={"trials": "trials", "objects": "objects.parquet"}, D=[2], **QUICK)
+    (tmp_path / "trials.parquet").unlink()
+    folder, out = tmp_path / "trials", tmp_path / "out"
+    columns = {name: kind for name, kind in TRIALS_COLUMNS.items() if name != "truth_action"}
+    (folder / "truth_action=grasp").mkdir(parents=True)
+    write_rows(own_rows()[0], columns, folder / "truth_action=grasp" / "part.parquet")
+    wanted = "features/own/D2/train_trials.parquet"
+    run(config, out, wanted)
+    assert pd.read_parquet(out / wanted)["truth_action"].tolist() == ["grasp", "grasp"]
+    (folder / "truth_action=grasp").rename(folder / "truth_action=reach")
+    run(config, out, wanted)
+    assert pd.read_parquet(out / wanted)["truth_action"].tolist() == ["reach", "reach"]
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("truth", [True, False])
 def test_own_instructions_are_answered(tmp_path: Path, truth: bool) -> None:
     """Also those of missing, unknown and contradictory words, and where nobody knows which object is meant."""

@@ -77,6 +77,7 @@ rule own_features:
     group:
         "data"
     params:
+        parts=own_part_names,
         code=tracked("own_features.py"),
     script:
         "../scripts/own_features.py"

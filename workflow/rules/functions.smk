@@ -71,7 +71,17 @@ def extraction(wildcards):
 def own_tables(wildcards):
     """The files of a feature table of one's own: of a folder, all its parts."""
     files = feature_files(study, wildcards.experiment, wildcards.set)
-    return {key: [str(part) for part in parts_of(path)] if path.is_dir() else str(path) for key, path in files.items()}
+    return {
+        key: [str(part) for part in parts_of(path)] if path.is_dir() else str(path) for key, path in files.items()
+    }
+
+
+def own_part_names(wildcards):
+    """The names of a folder's parts, which may tell of values (`trial=3/`) that are not in the files."""
+    folders = {
+        key: path for key, path in feature_files(study, wildcards.experiment, wildcards.set).items() if path.is_dir()
+    }
+    return {key: [part.relative_to(path).as_posix() for part in parts_of(path)] for key, path in folders.items()}
 
 
 # model.smk
