@@ -100,6 +100,15 @@ def _run(network: Any, images: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(network(enlarged).numpy()[: len(images)], dtype=np.float32)
 
 
+def weights_problem(weights: str) -> str:
+    """Say why weights cannot be used, with the file's name; empty if they can."""
+    try:
+        _network(weights, 0)
+    except WeightsError as error:
+        return str(error)
+    return ""
+
+
 @cache
 def _network(weights: str, seed: int) -> Any:
     """Return AlexNet up to fc6, rectified, with its weights."""

@@ -91,6 +91,7 @@ def _command(arguments: argparse.Namespace) -> int:
             store = _store(arguments)
             with working_at("checking the config, and the files that it names"):
                 study = load_study(arguments.config)  # finds mistakes before anything starts
+            _load_weights(arguments.config, study)
             _open_logs(arguments.config, study)
             from workflow.execution.runner import run
 
@@ -99,6 +100,7 @@ def _command(arguments: argparse.Namespace) -> int:
         case "check":
             with working_at("checking the config, and the files that it names"):
                 study = load_study(arguments.config)
+            _load_weights(arguments.config, study)
             _open_logs(arguments.config, study)
             fits = sum(1 for name in study.experiments for _ in study.conditions(name))
             experiments = counted(len(study.first_sets), "experiment")
@@ -125,6 +127,24 @@ def _command(arguments: argparse.Namespace) -> int:
             count, freed = store.trim(size_in_bytes("--to", arguments.to, "0 to empty the cache"))
             _print(f"{store.folder}: {counted(count, 'job')} removed, {_mib(freed)} freed")
     return 0
+
+
+def _load_weights(config: Path, study: Study) -> None:
+    """Load the files of weights that a config names, as feature extraction will.
+
+    Raises:
+        ConfigError: With everything for which it would refuse them.
+    """
+    files = {name: study.weights_file(name) for name in study.first_sets}
+    problems = []
+    for name, path in files.items():
+        if path is not None and study.experiments[name].source != "features":
+            from features.object_feature import weights_problem  # imports PyTorch
+
+            if problem := weights_problem(str(path)):
+                problems.append(f"experiments.{name}.feature_extraction.weights: {problem}")
+    if problems:
+        raise ConfigError(str(config), problems)
 
 
 def _open_logs(config: Path, study: Study) -> None:

@@ -139,6 +139,27 @@ def test_what_somebody_changed_in_a_folder_is_set_aside(
     assert verify(out)[1] == []
 
 
+def test_a_table_that_somebody_edited_is_set_aside(run: Run, out: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run()
+    before = (out / "scores.csv").read_text()
+    (out / "scores.csv").write_text("with a note")
+    capsys.readouterr()
+    assert run() == ["scores"]
+    assert "changed: scores.csv is now changed/scores.csv" in capsys.readouterr().err
+    assert (out / "changed/scores.csv").read_text() == "with a note"
+    assert (out / "scores.csv").read_text() == before
+    # What nobody edits is damaged.
+    (out / "fits/1.npz").write_text("no fit")
+    assert run() == ["fit"]
+    assert not (out / "changed/fits/1.npz").exists()
+    # One that is made anew for another reason is no work of anybody's.
+    jobs = plan()
+    jobs[2] = replace(jobs[2], parameters={"code": "other"})
+    assert run(jobs) == ["scores"]
+    assert [path.name for path in (out / "changed").rglob("*") if path.is_file()] == ["scores.csv"]
+    assert verify(out)[1] == []
+
+
 @pytest.mark.parametrize("path", ["mcap/a.mcap", "fits/1.npz", ".artifacts/fits/1.npz.json"])
 def test_what_is_missing_is_made_even_if_nothing_asks_for_it(run: Run, out: Path, path: str) -> None:
     run()

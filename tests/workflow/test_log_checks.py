@@ -17,6 +17,7 @@ from data_collection.log import topics
 from data_collection.log.mcap_log import Log, read_log, write_log
 from features.log_check import check_log
 from tests.features.conftest import Logs, Scene
+from tests.workflow.runs import SMOKE
 from workflow import __main__ as command
 from workflow import command_line
 from workflow.artifacts.remembered import recall, remember
@@ -247,6 +248,23 @@ def test_check_and_run_refuse_alike(
         monkeypatch.setattr("sys.argv", arguments)
         assert command.main() == 2
         assert "trial_0002.mcap: is an MCAP file without its end" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_weights_are_loaded_before_anything_starts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    smoke = yaml.safe_load(SMOKE.read_text(encoding="utf-8"))
+    smoke["experiments"]["simulator"]["feature_extraction"] = {"weights": "weights.pt"}
+    path = tmp_path / "config.yaml"
+    path.write_text(yaml.safe_dump(smoke), encoding="utf-8")
+    (tmp_path / "weights.pt").write_bytes(b"no weights")
+    for arguments in (["check"], ["run", "--out", str(tmp_path / "out")]):
+        monkeypatch.setattr("sys.argv", ["workflow", *arguments, "--config", str(path)])
+        assert command.main() == 2
+        said = capsys.readouterr().err
+        assert "experiments.simulator.feature_extraction.weights: weights " in said
+        assert f"{tmp_path / 'weights.pt'} cannot be loaded" in said
     assert not (tmp_path / "out").exists()
 
 

@@ -20,6 +20,9 @@ from workflow.artifacts.store import Store
 from workflow.execution.dag import Job, Plan, keys_of
 from workflow.execution.progress import working_at
 
+# The endings of texts, which people edit.
+EDITED = (".csv", ".md", ".tex", ".html")
+
 
 class Keeper:
     """Brings an output folder in line with a plan; its methods are hooks of `workflow.execution.engine`.
@@ -152,20 +155,26 @@ def _time(path: Path) -> int:
 
 
 def _set_aside(out: Path, path: str) -> None:
-    """Move files that somebody added to or changed in an artifact's folder to `OUT/changed`: they may be work."""
-    record = read_record(out, path)
-    if record is None or record.files is None or not (out / path).is_dir():
+    """Move what somebody edited to `OUT/changed`, for it may be work: a text, or files of an artifact's folder."""
+    record, place = read_record(out, path), out / path
+    if record is None:
         return
-    own = content(out / path).files or {}
-    for name in [name for name, sha256 in own.items() if record.files.get(name) != sha256]:
-        aside = out / CHANGED / path / name
+    if place.is_dir() and record.files is not None:
+        own = content(place).files or {}
+        edited = [f"{path}/{name}" for name, sha256 in own.items() if record.files.get(name) != sha256]
+    else:
+        # What is no text nobody edits: it is damaged.
+        is_text = place.suffix in EDITED and place.is_file()
+        edited = [path] if is_text and content(place).sha256 != record.sha256 else []
+    for name in edited:
+        aside = out / CHANGED / name
         for number in count(2):
             if not aside.exists():
                 break
             aside = aside.with_name(f"{number}_{Path(name).name}")
         aside.parent.mkdir(parents=True, exist_ok=True)
-        (out / path / name).rename(aside)
-        _say(f"changed: {path}/{name} is now {aside.relative_to(out)}")
+        (out / name).rename(aside)
+        _say(f"changed: {name} is now {aside.relative_to(out)}")
 
 
 def _say(line: str) -> None:
