@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from data_collection.limits import normal
 from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError
 from data_collection.log.messages import CameraInfo, Floats, Image, JointState
@@ -104,7 +105,7 @@ def observation(log: Log) -> Observation:
         hand_position=last[topics.HAND_POSE][:3],
         finger_rate=float(last.get(topics.FINGER_RATE, 0.0)),
         gaze_target=None if gaze is None else gaze[:2],
-        words=tuple(last[topics.SENTENCE].split()),
+        words=tuple(normal(last[topics.SENTENCE]).split()),
     )
 
 

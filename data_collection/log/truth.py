@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from data_collection.limits import WORD_RULE, is_word
+from data_collection.limits import WORD_RULE, is_word, normal
 from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError
 from data_collection.log.messages import Floats
@@ -76,7 +76,7 @@ def truth(log: Log) -> Truth | None:
 
 
 def _word(value: Any) -> str:
-    """Return a word; raises ValueError when it is none."""
+    """Return a word, in the form in which words are compared; raises ValueError when it is none."""
     if not (isinstance(value, str) and is_word(value)):
         raise ValueError(f"{str(value)[:60]!r} is no word ({WORD_RULE})")
-    return value
+    return normal(value)

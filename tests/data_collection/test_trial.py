@@ -50,6 +50,16 @@ def test_observation(trials: list[Log]) -> None:
         assert known.place_words[known.attended] in seen.words
 
 
+def test_words_are_read_in_one_normal_form(trials: list[Log]) -> None:
+    """An é of two code points, as some keyboards type it, is the é of one."""
+    log = _with(trials[0], topics.SENTENCE, lambda value: "tasse\u0301 a\u0300")
+    assert observation(log).words == ("tass\u00e9", "\u00e0")
+    log = _with(log, topics.TRUTH_OUTCOME, lambda value: json.dumps(json.loads(str(value)) | {"word": "e\u0301"}))
+    known = truth(log)
+    assert known is not None
+    assert known.action_word == "\u00e9"
+
+
 def test_observation_needs_no_truth(trials: list[Log], instruction: Log) -> None:
     for log in (*trials, instruction):
         bare = _without(log, TRUTH_PREFIX)

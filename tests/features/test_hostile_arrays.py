@@ -152,11 +152,14 @@ def test_what_grows_too_much_or_is_something_else_is_not_unpacked(
         smaller.setattr(arrays_module, "PLAIN_ARRAYS_BYTES", 10**6)
         with pytest.raises(ArtifactError, match="which no file of arrays does"):
             load_arrays(path, "test", ("numbers",))
-    read = []
+    read: list[str] = []
     whole = np.lib.npyio.NpzFile.__getitem__
-    monkeypatch.setattr(
-        np.lib.npyio.NpzFile, "__getitem__", lambda file, name: (read.append(name), whole(file, name))[1]
-    )
+
+    def counted(file: Any, name: str) -> Any:
+        read.append(name)
+        return whole(file, name)
+
+    monkeypatch.setattr(np.lib.npyio.NpzFile, "__getitem__", counted)
     for kind, names in (("other", ("numbers",)), ("test", ("numbers", "more"))):
         with pytest.raises(ArtifactError):
             load_arrays(path, kind, names)
