@@ -23,39 +23,46 @@ def add_commands(commands: Any) -> None:
     _add_robot(tell)
     tell.add_argument("sentence", help='what it is told, such as "grasp the red cup"')
     _add_scene(tell, "of the test set with instructions")
-    tell.add_argument("--no-action", action="store_true", help="only what the robot understands")
+    tell.add_argument("--no-action", action="store_true", help="only what the robot understands (default: it acts)")
     tell.add_argument("--out", type=Path, default=Path("tell.gif"), metavar="GIF", help="clip (default: tell.gif)")
     describe = commands.add_parser("describe", help="let a robot act of its own accord, and say what it did")
     _add_robot(describe)
     _add_scene(describe, "of the test set with actions")
-    describe.add_argument("--out", type=Path, metavar="GIF", help="write a clip, too")
+    describe.add_argument("--out", type=Path, metavar="GIF", help="write a clip, too (default: none)")
     talk = commands.add_parser("talk", help="serve a page, to this machine alone, on which to talk to the robots")
     talk.add_argument("results", type=Path, help="output folder of a finished study")
     talk.add_argument("--port", type=_port, default=PORT, help=f"of 127.0.0.1 (default: {PORT}; 0: any free one)")
     _add_weights(talk)
 
 
+_NAMES = {
+    "experiment": "the first",
+    "variant": "the first",
+    "method": "the proposed one",
+    "sampler": "of what remains, the fit with the highest log joint",
+}
+_NUMBERS = {"D": "most trials", "ROW": "fewest words omitted", "seed": "the fit with the highest log joint"}
+
+
 def _add_robot(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("results", type=Path, help="output folder of a finished study")
-    asked = parser.add_argument_group("whose fit (default: the most probable one of the proposed method)")
-    for name in ("experiment", "variant", "method", "sampler"):
-        asked.add_argument(f"--{name}")
-    for name in ("D", "ROW", "seed"):
-        asked.add_argument(f"--{name}", type=int, metavar="N")
-    parser.add_argument(
-        "--weights", type=Path, metavar="FILE", help="the network's weights, if the study named a file"
-    )
+    asked = parser.add_argument_group("whose fit")
+    for name, default in _NAMES.items():
+        asked.add_argument(f"--{name}", help=f"(default: {default})")
+    for name, default in _NUMBERS.items():
+        asked.add_argument(f"--{name}", type=int, metavar="N", help=f"(default: {default})")
+    _add_weights(parser)
 
 
 def _add_weights(parser: argparse.ArgumentParser) -> None:
     told = "of the network's weights, if the study named one"
-    parser.add_argument("--weights", type=Path, metavar="FILE", help=f"file {told}")
+    parser.add_argument("--weights", type=Path, metavar="FILE", help=f"file {told} (default: none)")
 
 
 def _add_scene(parser: argparse.ArgumentParser, which: str) -> None:
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--scene", type=int, metavar="N", help=f"scene N {which} (default: the first)")
-    where.add_argument("--draw", type=int, metavar="N", help="a new scene, the Nth that is drawn")
+    where.add_argument("--draw", type=int, metavar="N", help="a new scene, the Nth that is drawn (default: none)")
 
 
 def _port(text: str) -> int:
