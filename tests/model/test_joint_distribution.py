@@ -134,8 +134,9 @@ def break_kernel(monkeypatch: pytest.MonkeyPatch, sampler: str, broken: str) -> 
     monkeypatch.setattr(module, name, breaker(getattr(module, name)))
 
 
+# One method, which has all kernels: exact draws, below, are spoiled in every method.
 @pytest.mark.slow
-@pytest.mark.parametrize(("method", "sampler", "broken"), CONTROLS)
+@pytest.mark.parametrize(("method", "sampler", "broken"), [one for one in CONTROLS if one[0] == "proposed"])
 def test_a_broken_kernel_does_not_pass_the_joint_distribution_test(
     method: str, sampler: str, broken: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
