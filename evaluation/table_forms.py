@@ -37,12 +37,14 @@ class Sheet:
         grids: One or more tables; one without rows is left out.
         note: How to read them.
         data: The numbers behind them, by the ending of their file's name.
+        experiment: Whose cells they are, since two experiments' are called alike.
     """
 
     title: str
     grids: tuple[Grid, ...]
     note: str
     data: Mapping[str, pd.DataFrame]
+    experiment: str = ""
 
     @property
     def filled(self) -> list[Grid]:

@@ -141,4 +141,5 @@ def sheet_of_scores(scores: pd.DataFrame, table: Table) -> Sheet:
         ),
         " ".join(filter(None, (over(chosen), DEFINED, BOLD, chance_note(measures), DIFFERENCE_NOTE))),
         {".csv": summary.join(marks.add_suffix("_best")), "_differences.csv": pd.concat(list(paired.values()))},
+        table.experiment,
     )

@@ -105,7 +105,7 @@ def _link(word: str, anchors: Collection[str]) -> str:
 
 def without_repeats(sheets: Mapping[str, Sheet]) -> dict[str, Sheet]:
     """The tables without those of which every named cell stands in the ones before."""
-    kept, shown = {}, set[str]()
+    kept, shown = {}, set[tuple[str, str]]()
     for name, sheet in sheets.items():
         own = _cells(sheet)
         if not own or not own <= shown:
@@ -114,10 +114,10 @@ def without_repeats(sheets: Mapping[str, Sheet]) -> dict[str, Sheet]:
     return kept
 
 
-def _cells(sheet: Sheet) -> set[str]:
-    """The names of the cells of a table."""
+def _cells(sheet: Sheet) -> set[tuple[str, str]]:
+    """The names of the cells of a table; those of two experiments are called alike."""
     named = [grid.names for grid in sheet.filled if grid.names is not None]
-    return {str(name) for names in named for column in names for name in names[column].dropna()}
+    return {(sheet.experiment, str(name)) for names in named for column in names for name in names[column].dropna()}
 
 
 def tables(sheets: Mapping[str, Sheet]) -> Section:
@@ -129,7 +129,7 @@ def tables(sheets: Mapping[str, Sheet]) -> Section:
         sheets: What the tables hold, by name.
     """
     text = "<p>Each table is also a file, for a spreadsheet or a paper.</p>"
-    of_paper, parts, shown = {name for name, *_ in PAPER_TABLES}, [], set[str]()
+    of_paper, parts, shown = {name for name, *_ in PAPER_TABLES}, [], set[tuple[str, str]]()
     for name, sheet in sheets.items():
         own = _cells(sheet)
         folded = name not in of_paper and (not own or bool(own & shown))

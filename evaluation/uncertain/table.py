@@ -55,7 +55,7 @@ def sheet_of_answers(answered: pd.DataFrame, table: Table) -> Sheet:
         shown.insert(place, label, [_number(value) for value in summary[name]])
     shown.insert(0, "instruction", [KINDS[kind].label for kind in summary["kind"]])
     note = " ".join([over(own), NOTE, *_remarks(own)])
-    return Sheet(table.title, (Grid(table.title, shown),), note, {".csv": summary})
+    return Sheet(table.title, (Grid(table.title, shown),), note, {".csv": summary}, table.experiment)
 
 
 def _remarks(answered: pd.DataFrame) -> Iterator[str]:

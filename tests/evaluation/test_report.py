@@ -158,6 +158,8 @@ def test_every_table_has_its_anchor(tables: dict[str, Sheet]) -> None:
 
 def test_a_table_whose_cells_all_stand_in_another_is_left_out(tables: dict[str, Sheet]) -> None:
     assert list(report.without_repeats(tables)) == ["table_1a", "table_1b"]
+    of_another = Sheet("Own", tables["own_csl"].grids, "", {}, experiment="own_two")
+    assert "own_csl" in report.without_repeats({**tables, "own_csl": of_another})
     more = Grid("More", pd.DataFrame({"ARI": ["0.5"]}), names=pd.DataFrame({"ARI": ["new"]}))
     grids = (*tables["own_csl"].grids, more)
     assert "own_csl" in report.without_repeats({**tables, "own_csl": Sheet("Own", grids, "", {})})
