@@ -76,7 +76,12 @@ FILES: Mapping[str, tuple[Column, ...]] = {
         Column("object", "integer", "0 … M − 1 in each trial; here from left to right in the image"),
         Column("position", "vector", "metres on the table, robot frame: x ahead, y left", length=2),
         Column("object_feature", "vector", "one length in all rows"),
-        Column("color", "vector", "one length; not negative, sums to 1 (± 10⁻⁶)", histogram=True),
+        Column(
+            "color",
+            "vector",
+            "one length; not negative, sums to 1 (± 10⁻⁶; what rounding explains is divided by its sum, and noted)",
+            histogram=True,
+        ),
         _truth("position"),
         _truth("object"),
         _truth("color"),
