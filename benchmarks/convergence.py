@@ -7,22 +7,21 @@ per sampler and length), convergence_time.md (when each sampler reaches its goal
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from benchmarks.cases import SAMPLERS
+from benchmarks.feature_files import parser_of, read_pairs
 from benchmarks.plots import draw_convergence
 from benchmarks.summary import markdown, processor
 from evaluation.convergence import GOAL
-from features.table import FeatureTable, read_table
+from features.table import FeatureTable
 from model import Collapsed, Problem, Sampler, Trials, fit
 from model.diagnostics import chain_quantities, diagnose
 
@@ -100,18 +99,14 @@ def reached(rows: pd.DataFrame) -> Iterator[list[str]]:
 
 def main() -> None:
     """Measure, write, draw."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.convergence", description=__doc__.split("\n")[0])
-    parser.add_argument("files", type=Path, nargs="+", help="trials and objects, in turn")
-    parser.add_argument("--out", type=Path, required=True, help="folder of the results")
+    parser = parser_of("benchmarks.convergence", __doc__)
     parser.add_argument("--chains", type=int, default=8)
     parser.add_argument("--quick", action="store_true", help="the shortest two lengths, to see that it runs")
     arguments = parser.parse_args()
-    if len(arguments.files) % 2:
-        parser.error("feature files come in pairs: trials and objects")
+    tables = read_pairs(parser, arguments.files)
     arguments.out.mkdir(parents=True, exist_ok=True)
     rows = []
-    for trials, objects in zip(arguments.files[::2], arguments.files[1::2], strict=True):
-        table = read_table(trials, objects, need_attention=True)
+    for table in tables:
         for name, runner in RUNNERS.items():
             measure(table, name, 4, 1)  # Compiled code is loaded before the clock runs.
             for iterations in runner.lengths[:2] if arguments.quick else runner.lengths:

@@ -7,21 +7,20 @@ joint, effective samples of the log joint per second of processor time, and R-ha
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from benchmarks.cases import SAMPLERS
+from benchmarks.feature_files import parser_of, read_pairs
 from benchmarks.summary import markdown
 from evaluation.learned import Learned
 from evaluation.measures import measured
-from features.table import FeatureTable, read_table
+from features.table import FeatureTable
 from model import METHODS, Collapsed, Fit, Prior, Problem, Sampler, Trials, fit
 from model.data import Floats
 from model.diagnostics import diagnose
@@ -72,9 +71,7 @@ def as_markdown(rows: pd.DataFrame) -> str:
 
 def main() -> None:
     """Compare and write."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.samplers", description=__doc__.split("\n")[0])
-    parser.add_argument("files", type=Path, nargs="+", help="trials and objects, in turn")
-    parser.add_argument("--out", type=Path, required=True, help="folder of the results")
+    parser = parser_of("benchmarks.samplers", __doc__)
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--row", type=int, nargs="+", default=[0, 40], help="rates of omitted words, per cent")
     parser.add_argument("--best", action="store_true", help="also the best of eight annealed collapsed chains")
@@ -82,13 +79,8 @@ def main() -> None:
     samplers = dict(SAMPLERS)
     if arguments.best:
         samplers["collapsed, best of 8, annealed from 5"] = Collapsed(chains=8, temperature=5.0)
-    if len(arguments.files) % 2:
-        parser.error("feature files come in pairs: trials and objects")
+    tables = read_pairs(parser, arguments.files)
     arguments.out.mkdir(parents=True, exist_ok=True)
-    tables = [
-        read_table(trials, objects, need_attention=True)
-        for trials, objects in zip(arguments.files[::2], arguments.files[1::2], strict=True)
-    ]
     for named in samplers.items():  # Compiled code is loaded before the clock runs.
         fit_and_measure(tables[0], 0, "proposed", *named, 0)
     rows = []
