@@ -5,7 +5,7 @@ The first say what is due to the model, the second what is due to how its poster
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import pandas as pd
@@ -29,6 +29,16 @@ def pairs_of(scores: pd.DataFrame, axis: str) -> Sequence[tuple[str, str]]:
         return PAIRS
     first, *others = scores[axis].unique() if len(scores) else [""]
     return [(other, first) for other in others]
+
+
+def paired(
+    scores: pd.DataFrame, axis: str, pairs: Iterable[tuple[str, str]]
+) -> Iterator[tuple[str, str, pd.Series[float]]]:
+    """Those pairs of an axis that were run, with their differences by condition, measure, data set and seed."""
+    by_side = scores.pivot(index=[*AXES[axis], "measure", *UNITS], columns=axis, values="value")
+    for side, other in pairs:
+        if {side, other} <= set(by_side.columns):
+            yield side, other, (by_side[side] - by_side[other]).dropna()
 
 
 def letter(method: str) -> str:
@@ -81,14 +91,9 @@ def differences(scores: pd.DataFrame, measures: Sequence[str], axis: str = "meth
         `mean` and `sd` (n − 1) of the condition's value minus that with `other` in the column that `compared` names,
         by the rule of `replicates.units`, over `n` pairs of fits of so many `datasets`, and `p` (`signed_rank_p`).
     """
-    wanted, pairs, shared = scores[scores.measure.isin(measures)], pairs_of(scores, axis), AXES[axis]
-    by_side = wanted.pivot(index=[*shared, "measure", *UNITS], columns=axis, values="value")
-    rows = []
-    for side, other in pairs:
-        if not {side, other} <= set(by_side.columns):
-            continue
-        paired = (by_side[side] - by_side[other]).dropna()
-        for names, group in paired.groupby([*shared, "measure"]):
+    shared, rows = AXES[axis], []
+    for side, other, values_of_pair in paired(scores[scores.measure.isin(measures)], axis, pairs_of(scores, axis)):
+        for names, group in values_of_pair.groupby([*shared, "measure"]):
             values = np.asarray(units(group, several(scores)), dtype=np.float64)
             sd = values.std(ddof=1) if len(values) > 1 else float("nan")
             counts = {"n": len(group), "datasets": group.index.get_level_values(UNITS[0]).nunique()}

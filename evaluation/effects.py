@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from itertools import product
 from typing import Any
 
@@ -11,7 +11,7 @@ import pandas as pd
 
 from data_collection.seeding import generator
 from evaluation.claims.judging import OPEN
-from evaluation.differences import AXES, PAIRS, pairs_of
+from evaluation.differences import AXES, PAIRS, paired, pairs_of
 from evaluation.measures import MEASURES
 from evaluation.replicates import bootstrap, units
 from evaluation.scores import UNITS
@@ -58,7 +58,8 @@ def effects(scores: pd.DataFrame) -> pd.DataFrame:
     for experiment, own in scores[scores.measure.isin(COMPARED)].groupby("experiment", sort=False):
         first = own[own.variant == own.variant.iloc[0]]
         for axis in AXES:
-            for side, other, differences in _differences(first, axis):
+            pairs = METHOD_PAIRS if axis == "method" else pairs_of(first, axis)
+            for side, other, differences in paired(first, axis, pairs):
                 groups = dict(list(differences.groupby([GIVEN[axis], "measure"])))
                 for given, measure in product(first[GIVEN[axis]].unique(), COMPARED):
                     if (given, measure) in groups:
@@ -66,14 +67,6 @@ def effects(scores: pd.DataFrame) -> pd.DataFrame:
                         names |= {"given": given, "measure": measure}
                         rows.append(names | _interval(groups[given, measure].groupby(UNITS).mean(), names))
     return pd.DataFrame(rows, columns=COLUMNS)
-
-
-def _differences(scores: pd.DataFrame, axis: str) -> Iterator[tuple[str, str, pd.Series[float]]]:
-    """The pairs of an axis that were run, with their differences by condition, measure, data set and seed."""
-    by_side = scores.pivot(index=[*AXES[axis], "measure", *UNITS], columns=axis, values="value")
-    for side, other in METHOD_PAIRS if axis == "method" else pairs_of(scores, axis):
-        if {side, other} <= set(by_side.columns):
-            yield side, other, (by_side[side] - by_side[other]).dropna()
 
 
 def _interval(by_seed: pd.Series[float], names: Mapping[str, Any]) -> dict[str, object]:

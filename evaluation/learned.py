@@ -49,13 +49,11 @@ class Learned:
 
     def ari_summary(self, channel: str) -> float | None:
         """ARI of the point estimate, over all elements; None without a summary."""
-        z = self._estimate(channel)
-        return None if z is None else self._agreement(channel, z)
+        return self._agreement(channel, self._estimate(channel))
 
     def ari_attended_summary(self, channel: str) -> float | None:
         """ARI of the point estimate, over the attended objects; None without a summary."""
-        z = self._estimate(channel)
-        return None if z is None else self._agreement(channel, z, self.table.attended_row)
+        return self._agreement(channel, self._estimate(channel), self.table.attended_row)
 
     def ear(self, words: Words) -> float | None:
         """EAR of the last state."""
@@ -92,9 +90,11 @@ class Learned:
         summary = self.fit.summary
         return None if summary is None else summary.z[self.fit.trials.index_of(channel)]
 
-    def _agreement(self, channel: str, z: Ints, rows: Ints | None = None) -> float | None:
+    def _agreement(self, channel: str, z: Ints | None, rows: Ints | None = None) -> float | None:
         truth = getattr(self.table, f"truth_{channel}")
-        if truth is None or rows is None:
+        if z is None or truth is None:
+            return None
+        if rows is None:
             return adjusted_rand_index(z, truth)
         return adjusted_rand_index(z[rows], [truth[row] for row in rows])
 
