@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from data_collection.strict_model import FilePath, StrictModel
+
+Share = Annotated[float, Field(ge=0, le=1)]
+Objects = Annotated[int, Field(ge=1, le=1000)]
 
 
 class Detection(StrictModel):
@@ -21,9 +24,7 @@ class Detection(StrictModel):
     noise_factor: float = Field(
         6.0, ge=0, le=100, description="the color threshold is at least so many times the noise of the two images"
     )
-    shadow: float = Field(
-        0.4, ge=0, le=1, description="darkest shadow, as brightness relative to the table's; darker is object"
-    )
+    shadow: Share = Field(0.4, description="darkest shadow, as brightness relative to the table's; darker is object")
     highlight: float = Field(
         1.25,
         ge=1,
@@ -31,19 +32,14 @@ class Detection(StrictModel):
         description="brightest reflection, as brightness relative to the table's; brighter is object",
     )
     smallest_area: int = Field(60, ge=1, le=10**6, description="smallest area of an object, pixels")
-    largest_share: float = Field(0.2, ge=0, le=1, description="largest share of the image that an object may cover")
-    neck: float = Field(
+    largest_share: Share = Field(0.2, description="largest share of the image that an object may cover")
+    neck: Share = Field(
         0.5,
-        ge=0,
-        le=1,
         description="touching objects are cut at necks narrower than this share of the thinner one; 0: never",
     )
-    fewest_objects: int = Field(1, ge=1, le=1000, description="fewest objects that are plausible in a trial")
-    most_objects: int = Field(
-        3,
-        ge=1,
-        le=1000,
-        description="most objects that are plausible in a trial; by default as many as are simulated, if more",
+    fewest_objects: Objects = Field(1, description="fewest objects that are plausible in a trial")
+    most_objects: Objects = Field(
+        3, description="most objects that are plausible in a trial; by default as many as are simulated, if more"
     )
     on_wrong_count: Literal["error", "drop"] = Field(
         "error", description="a trial with an implausible number of objects: stop, or drop it with a warning"

@@ -109,10 +109,10 @@ def fit_camera(pixels: Array, positions: Array, matrix: Array, distortion: Array
     return Camera(projection, matrix, distortion, model)
 
 
-def _project(homography: Array, points: Array) -> Array:
-    """Map points (N, 2) by a homography (3, 3)."""
-    mapped = points @ homography[:, :2].T + homography[:, 2]
-    return np.asarray(mapped[:, :2] / mapped[:, 2:])
+def _project(matrix: Array, points: Array) -> Array:
+    """Map points (…, n) to (…, 2) by a matrix (3, n + 1): a homography, or the projection of a camera."""
+    mapped = points @ matrix[:, :-1].T + matrix[:, -1]
+    return np.asarray(mapped[..., :2] / mapped[..., 2:])
 
 
 def to_table(camera: Camera, pixels: Array) -> Array:
@@ -123,8 +123,7 @@ def to_table(camera: Camera, pixels: Array) -> Array:
 
 def to_pixels(camera: Camera, points: Array) -> Array:
     """Project points (…, 3), metres in the robot frame, z above the table, to undistorted pixels (…, 2)."""
-    mapped = points @ camera.projection[:, :3].T + camera.projection[:, 3]
-    return np.asarray(mapped[..., :2] / mapped[..., 2:])
+    return _project(camera.projection, points)
 
 
 def undistorted(pixels: Array, matrix: Array, distortion: Array, model: str = PINHOLE) -> Array:
