@@ -76,17 +76,6 @@ def sweep_assignments(
     return _swept_assignments(rng, elements_of(problem, c, F), word_counts(problem, c, z, F), z, temperature)
 
 
-def element_log_weights(problem: Problem, c: int, z: Ints, F: Ints, i: int) -> Floats:
-    """(K,) unnormalised log p(z_i = k | …) of element i of channel c, which `sweep_assignments` draws from."""
-    elements = elements_of(problem, c, F)
-    statistics = channel_statistics(elements, word_counts(problem, c, z, F), z)
-    z, old, own_words = z.copy(), z[i], words_of_element(elements, i)
-    z[i] = -1
-    remove_element(elements, statistics, z, i, old)
-    count_words(statistics, old, own_words, -1.0)
-    return category_log_weights(elements, statistics, i, own_words, np.empty(elements.features.shape[1]))
-
-
 def elements_of(problem: Problem, c: int, F: Ints) -> Elements:
     """What the kernels know of channel c, given the frames F (T,)."""
     trials, prior = problem.trials, problem.priors[c]

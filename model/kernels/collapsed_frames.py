@@ -45,14 +45,6 @@ def sweep_frames(rng: np.random.Generator, problem: Problem, z: Sequence[Ints], 
     )
 
 
-def part_log_weights(problem: Problem, z: Sequence[Ints], F: Ints, start: int, length: int) -> Floats:
-    """(frames,) unnormalised log p(F = f | …) for the words start to start + length − 1, as `sweep_frames` draws."""
-    allowed = problem.frame_prior.listed(problem.trials, MOST_JOINT_WORDS)
-    words, table = problem.trials.words[0], word_table(problem, z, F)
-    count_part(table, words, F, start, length, -1.0)
-    return grown_log_weights(table, words, start, length, allowed)
-
-
 def word_table(problem: Problem, z: Sequence[Ints], F: Ints) -> WordTable:
     """The word counts of the categories of all channels."""
     counts, gamma, rows, first = [], [], [], 0

@@ -1,7 +1,6 @@
 """The conditional distributions of the blocked Gibbs sampler, equations (11) to (25); those of θ are in `words`.
 
-Each block has one draw and one log function. The log functions are what the tests hold
-against the joint distribution: a conditional is right if it is proportional to the joint.
+A conditional is right if it is proportional to the joint distribution, which the tests hold against each.
 """
 
 from __future__ import annotations
@@ -10,9 +9,9 @@ import numpy as np
 
 from model.compiled import compiled
 from model.data import Flags, Floats, Ints
-from model.distributions.dirichlet import dirichlet_log_density, draw_index, draw_log_dirichlet, log_total
-from model.distributions.gaussian_densities import gaussian_log_density, giw_log_density
-from model.distributions.gaussians import draw_posterior_gaussians, gaussian_posterior
+from model.distributions.dirichlet import draw_index, draw_log_dirichlet
+from model.distributions.gaussian_densities import gaussian_log_density
+from model.distributions.gaussians import draw_posterior_gaussians
 from model.frames import FrameList
 from model.prior import Prior
 from model.problem import Problem
@@ -56,11 +55,6 @@ def draw_weights(rng: np.random.Generator, prior: Prior, z: Ints) -> Floats:
     return np.asarray(draw_log_dirichlet(rng, weights_concentration(prior, z), 1)[0])
 
 
-def weights_log_density(prior: Prior, z: Ints, log_weights: Floats) -> float:
-    """Log density of π given z."""
-    return dirichlet_log_density(log_weights[None, :], weights_concentration(prior, z))
-
-
 # φ^x = (μ^x, Σ^x)
 
 
@@ -81,13 +75,6 @@ def draw_categories(
     return mean, factor
 
 
-def categories_log_density(problem: Problem, c: int, z: Ints, mean: Floats, factor: Floats) -> float:
-    """Log density of all μ and Σ of a channel given z."""
-    features = problem.trials.channels[c].features
-    posterior = gaussian_posterior(features, z, problem.priors[c].categories, problem.gaussians[c])
-    return float(np.sum(giw_log_density(posterior, mean, factor)))
-
-
 # F_d: equation (25)
 
 
@@ -97,14 +84,6 @@ def draw_frames(rng: np.random.Generator, problem: Problem, log_weights: Floats)
         return np.empty(0, dtype=np.int64)
     trials = problem.trials
     return _draw_frames(rng, log_weights, trials.sentence_bounds, problem.frame_prior.listed(trials, 1))
-
-
-def frames_log_probability(problem: Problem, log_weights: Floats, F: Ints) -> float:
-    """Log probability of F given `words.word_log_weights`."""
-    if not problem.frame_prior.has_frames:
-        return 0.0
-    trials = problem.trials
-    return _frames_log_probability(log_weights, trials.sentence_bounds, F, problem.frame_prior.listed(trials, 1))
 
 
 @compiled
@@ -119,20 +98,6 @@ def _draw_frames(rng: np.random.Generator, log_weights: Floats, bounds: Ints, al
             for n in range(length):
                 F[start + n] = allowed.frames[allowed.bounds[length] + chosen, n]
     return F
-
-
-@compiled
-def _frames_log_probability(log_weights: Floats, bounds: Ints, F: Ints, allowed: FrameList) -> float:
-    """Log probability of F (T,), see `_draw_frames`."""
-    longest = allowed.frames.shape[1]
-    total = 0.0
-    for d in range(len(bounds) - 1):
-        for start in range(bounds[d], bounds[d + 1], longest):
-            length = min(longest, bounds[d + 1] - start)
-            total -= log_total(_frame_log_weights(log_weights, start, length, allowed))
-            for n in range(length):
-                total += log_weights[start + n, F[start + n]]
-    return total
 
 
 @compiled

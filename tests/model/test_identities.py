@@ -13,8 +13,9 @@ from model.distributions.dirichlet import dirichlet_log_density, draw_log_dirich
 from model.joint import draw_parameters, log_joint, log_marginal_joint
 from model.kernels import collapsed_frames, words
 from model.kernels import conditionals as given
-from model.kernels.collapsed_assignments import channel_statistics, element_log_weights, elements_of, sweep
+from model.kernels.collapsed_assignments import channel_statistics, elements_of, sweep
 from model.state import Partition
+from tests.model import conditional_densities as conditional
 
 Case = tuple[Problem, State, np.random.Generator]
 
@@ -58,7 +59,7 @@ def test_weights(case: Case, c: int) -> None:
     problem, state, rng = case
     prior = problem.priors[c]
     change = with_channel(state, "log_weights", c, given.draw_weights(rng, prior, state.z[c]))
-    assert_ratio(case, change, lambda s: given.weights_log_density(prior, s.z[c], s.log_weights[c]))
+    assert_ratio(case, change, lambda s: conditional.weights_log_density(prior, s.z[c], s.log_weights[c]))
 
 
 @pytest.mark.parametrize("c", range(3))
@@ -66,7 +67,9 @@ def test_categories(case: Case, c: int) -> None:
     problem, state, rng = case
     mean, factor = given.draw_categories(rng, problem, c, state.z[c])
     change = with_channel(with_channel(state, "mean", c, mean), "factor", c, factor)
-    assert_ratio(case, change, lambda s: given.categories_log_density(problem, c, s.z[c], s.mean[c], s.factor[c]))
+    assert_ratio(
+        case, change, lambda s: conditional.categories_log_density(problem, c, s.z[c], s.mean[c], s.factor[c])
+    )
 
 
 def test_frames(case: Case) -> None:
@@ -78,7 +81,7 @@ def test_frames(case: Case) -> None:
     F = state.F
     while np.array_equal(F, state.F):
         F = problem.frame_prior.draw(rng, problem.trials)
-    assert_ratio(case, replace(state, F=F), lambda s: given.frames_log_probability(problem, weights, s.F))
+    assert_ratio(case, replace(state, F=F), lambda s: conditional.frames_log_probability(problem, weights, s.F))
 
 
 @pytest.mark.parametrize("c", range(3))
@@ -94,7 +97,7 @@ def test_collapsed_assignments(case: Case, c: int) -> None:
     """For every element: the conditional over all K categories is the normalised marginal joint."""
     problem, state, _ = case
     for i in range(len(state.z[c])):
-        weights = element_log_weights(problem, c, state.z[c], state.F, i)
+        weights = conditional.element_log_weights(problem, c, state.z[c], state.F, i)
         joint = []
         for k in range(problem.priors[c].categories):
             z = state.z[c].copy()
@@ -118,7 +121,7 @@ def test_collapsed_frames(case: Case, longest: int, monkeypatch: pytest.MonkeyPa
     for first, last in zip(trials.sentence_bounds[:-1], trials.sentence_bounds[1:], strict=True):
         for start in range(int(first), int(last), size):
             length = min(size, int(last) - start)
-            weights = collapsed_frames.part_log_weights(problem, state.z, state.F, start, length)
+            weights = conditional.part_log_weights(problem, state.z, state.F, start, length)
             frames = allowed.frames[allowed.bounds[length] : allowed.bounds[length + 1], :length]
             assert len(weights) == len(frames) > 1
             joint = []
@@ -159,7 +162,7 @@ def test_marginal_joint_is_joint_over_conditionals(case: Case) -> None:
     total = log_joint(problem, state)
     for c, prior in enumerate(problem.priors):
         concentration = words.word_concentration(problem, c, state.z[c], state.F)
-        total -= given.weights_log_density(prior, state.z[c], state.log_weights[c])
-        total -= given.categories_log_density(problem, c, state.z[c], state.mean[c], state.factor[c])
+        total -= conditional.weights_log_density(prior, state.z[c], state.log_weights[c])
+        total -= conditional.categories_log_density(problem, c, state.z[c], state.mean[c], state.factor[c])
         total -= dirichlet_log_density(state.log_words[c], concentration)
     assert log_marginal_joint(problem, state) == pytest.approx(total, rel=1e-9, abs=1e-8)
