@@ -165,11 +165,10 @@ def rank_counts(draws: Floats, bins: int = 20) -> NDArray[np.int64]:
         draws: (chains, draws) of one quantity.
         bins: Bins of equal width.
     """
-    flat = draws.ravel()
-    _, which, counts = np.unique(flat, return_inverse=True, return_counts=True)
-    last = np.cumsum(counts)
-    ranks = (last - (counts + 1) / 2.0)[which].reshape(draws.shape)
-    index = np.minimum((ranks * bins / flat.size).astype(np.int64), bins - 1)
+    from scipy.stats import rankdata
+
+    ranks = rankdata(draws).reshape(draws.shape) - 1.0
+    index = np.minimum((ranks * bins / draws.size).astype(np.int64), bins - 1)
     return np.stack([np.bincount(row, minlength=bins) for row in index])
 
 

@@ -124,6 +124,7 @@ def save(fit: Fit, path: Path) -> None:
     The same fit always gives the same bytes.
     """
     trials, state = fit.problem.trials, fit.state
+    history, chains, summary = fit.history, fit.chains, fit.summary
     arrays: dict[str, Any] = {
         "method": np.array(fit.problem.method.name),
         "channels": np.array([channel.name for channel in trials.channels]),
@@ -134,17 +135,14 @@ def save(fit: Fit, path: Path) -> None:
         "trace_log_joint": fit.trace_log_joint,
         "trace_used": fit.trace_used,
         "sampler": np.array(json.dumps(fit.sampler.model_dump() | {"seed": fit.seed}, sort_keys=True)),
+        "trace_mean_precision": fit.trace_mean_precision,
+        "history_iteration": history and history.iterations,
+        "history_F": history and history.F,
+        "chains_log_joint": chains and chains.log_joint,
+        "chains_used": chains and chains.used,
+        "chains_marginal_F": chains and chains.marginals,
+        "marginal_F": summary and summary.marginals,
     }
-    if fit.trace_mean_precision is not None:
-        arrays["trace_mean_precision"] = fit.trace_mean_precision
-    if fit.history is not None:
-        arrays |= {"history_iteration": fit.history.iterations, "history_F": fit.history.F}
-    if fit.chains is not None:
-        arrays |= {"chains_log_joint": fit.chains.log_joint, "chains_used": fit.chains.used}
-        if fit.chains.marginals is not None:
-            arrays["chains_marginal_F"] = fit.chains.marginals
-    if fit.summary is not None and fit.summary.marginals is not None:
-        arrays["marginal_F"] = fit.summary.marginals
     for c, channel in enumerate(trials.channels):
         arrays |= {
             f"features_{channel.name}": channel.features,
@@ -156,15 +154,11 @@ def save(fit: Fit, path: Path) -> None:
             f"Sigma_{channel.name}": np.einsum("kij,klj->kil", state.factor[c], state.factor[c]),
             f"theta_{channel.name}": np.exp(state.log_words[c]),
             f"prior_{channel.name}": np.array(json.dumps(fit.problem.priors[c].model_dump(), sort_keys=True)),
+            f"history_z_{channel.name}": history and history.z[c],
+            f"summary_z_{channel.name}": summary and summary.z[c],
+            f"together_{channel.name}": summary and summary.together[c],
         }
-        if fit.history is not None:
-            arrays[f"history_z_{channel.name}"] = fit.history.z[c]
-        if fit.summary is not None:
-            arrays[f"summary_z_{channel.name}"] = fit.summary.z[c]
-            together = fit.summary.together[c]
-            if together is not None:
-                arrays[f"together_{channel.name}"] = together
-    write_arrays(path, arrays)
+    write_arrays(path, {name: array for name, array in arrays.items() if array is not None})
 
 
 def load(path: Path) -> Fit:

@@ -181,17 +181,9 @@ class Unlearned(Every):
     It is no prior of a model: z follows the words that F sends to its channel, θ follows all words.
     """
 
-    def draw(self, rng: np.random.Generator, trials: Trials) -> Ints:
-        """Draw F (T,), any channel for any word."""
-        return FramePrior.draw(self, rng, trials)
-
-    def explained(self, trials: Trials, F: Ints, c: int) -> Flags:
-        """(T,) whether F sends each word to channel c."""
-        return np.asarray(F == c)
-
-    def counted(self, trials: Trials, F: Ints, c: int) -> Flags:
-        """(T,) true."""
-        return np.ones(len(trials.word_trial), dtype=np.bool_)
+    draw = FramePrior.draw
+    explained = FramePrior.explained
+    counted = Every.explained
 
 
 @lru_cache

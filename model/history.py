@@ -55,15 +55,11 @@ class History:
         """At most so many of the states, evenly spaced up to the last."""
         return self._chosen(np.array(evenly(len(self.iterations), most), dtype=np.int64))
 
-    def states(self) -> Iterator[Partition]:
-        """The states, one after the other."""
+    def states(self, problem: Problem) -> Iterator[tuple[Problem, Partition]]:
+        """Each state, and before it the problem with its κ0."""
         for h in range(len(self.iterations)):
-            yield Partition(tuple(part[h] for part in self.z), self.F[h])
-
-    def problems(self, problem: Problem) -> Iterator[Problem]:
-        """The problem with the κ0 of each state, one after the other."""
-        for h in range(len(self.iterations)):
-            yield problem if self.mean_precision is None else problem.given(self.mean_precision[h])
+            given = problem if self.mean_precision is None else problem.given(self.mean_precision[h])
+            yield given, Partition(tuple(part[h] for part in self.z), self.F[h])
 
     def typical(self, problem: Problem) -> Problem:
         """The problem with the geometric mean of the states' κ0."""

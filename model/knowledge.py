@@ -45,7 +45,7 @@ def of_history(problem: Problem, summary: Summary, kept: History) -> Knowledge:
     """
     pivot = [(z, prior.categories) for z, prior in zip(summary.z, problem.priors, strict=True)]
     states, chosen = [], kept.thinned(MOST_AVERAGED)
-    for state, given in zip(chosen.states(), chosen.problems(problem), strict=True):
+    for given, state in chosen.states(problem):
         z = tuple(aligned(own, reference, K) for own, (reference, K) in zip(state.z, pivot, strict=True))
         states.append(_means(given, Partition(z, state.F)))
     return Knowledge(tuple(states), of_summary(problem, summary, kept).categories)

@@ -61,9 +61,9 @@ def word_marginals(problem: Problem, kept: History) -> Floats | None:
 
 def co_assignments(z: Ints) -> Floats | None:
     """(N, N) the share of the states z (S, N) in which two elements share a category; None where N is too large."""
-    from model.kernels.variation import shares_together
-
-    return shares_together(_by_element(z)) if z.shape[1] <= LARGEST_TOGETHER else None
+    if z.shape[1] > LARGEST_TOGETHER:
+        return None
+    return np.asarray(sum(np.equal.outer(state, state) for state in z) / len(z))
 
 
 def point_estimate(z: Ints, K: int) -> Ints:
@@ -78,7 +78,7 @@ def point_estimate(z: Ints, K: int) -> Ints:
     from model.kernels.variation import descend, expected_variation
 
     named = np.stack([canonical(state) for state in z])
-    states, K = _by_element(named), min(K, z.shape[1])
+    states, K = np.ascontiguousarray(named.T), min(K, z.shape[1])
     different = np.unique(named[evenly(len(z), _CANDIDATES)], axis=0)
     expected = [expected_variation(states, one, K) for one in different]
     starts = [*different[np.argsort(expected, kind="stable")[:_STARTS]], np.zeros(z.shape[1], dtype=np.int64)]
@@ -100,8 +100,3 @@ def aligned(z: Ints, reference: Ints, K: int) -> Ints:
 
     overlap = np.bincount(z * K + reference, minlength=K * K).reshape(K, K)
     return np.asarray(linear_sum_assignment(overlap, maximize=True)[1], dtype=np.int64)[z]
-
-
-def _by_element(z: Ints) -> Ints:
-    """(N, S) the categories of the states, as kernels read them."""
-    return np.ascontiguousarray(z.T, dtype=np.int64)

@@ -129,18 +129,3 @@ def _change_by_merger(f: Floats, a: int, b: int, tables: Ints, sizes: Ints) -> f
             left, right = tables[a, s, k], tables[b, s, k]
             change -= 2.0 * (f[left + right] - f[left] - f[right])
     return float(change)
-
-
-@compiled
-def shares_together(states: Ints) -> Floats:
-    """(N, N) the share of the states (N, S) in which two elements are in one category."""
-    N, S = states.shape
-    result = np.ones((N, N))
-    for i in range(N):
-        for j in range(i):
-            count = 0
-            for s in range(S):
-                count += states[i, s] == states[j, s]
-            result[i, j] = count / S
-            result[j, i] = result[i, j]
-    return result

@@ -6,7 +6,7 @@ Samplers import their kernels inside their methods, so that a config can be chec
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, ClassVar, Generic, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, Generic, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 S = TypeVar("S", bound=Partition)
 
 
+Iterations = Annotated[int, Field(ge=1, le=1_000_000)]
+Temperature = Annotated[float, Field(ge=1, le=1_000_000)]
+Kept = Annotated[int, Field(ge=0, le=1_000_000)]
+
+
 class Sampler(BaseModel, ABC, Generic[S]):
     """A sampler with its settings; S is what its next step needs to know.
 
@@ -31,17 +36,15 @@ class Sampler(BaseModel, ABC, Generic[S]):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     kind: str = ""  # each kind has its own
-    iterations: int = Field(default=200, ge=1, le=1_000_000, description="sweeps per chain")
+    iterations: Iterations = Field(default=200, description="sweeps per chain")
     chains: int = Field(
         default=1,
         ge=1,
         le=1000,
         description="number of chains; the one whose last state has the highest log p(X, w, z, F) is kept",
     )
-    keep_history: int = Field(
+    keep_history: Kept = Field(
         default=20,
-        ge=0,
-        le=1_000_000,
         description="number of states whose z and F are kept, evenly spaced up to the last; at most all",
     )
     burn_in: float = Field(
@@ -110,3 +113,32 @@ class Sampler(BaseModel, ABC, Generic[S]):
     @abstractmethod
     def finish(self, problem: Problem, state: S) -> State:
         """Return the last state of a chain with π, φ and θ."""
+
+
+class Marginal(Sampler[Partition]):
+    """A sampler of z and F alone, π, φ and θ integrated out, whose chains may be annealed.
+
+    They start at k-means, and end with the posterior means of π, φ and θ.
+    """
+
+    annealing: ClassVar[float]  # the share of the iterations after which annealing ends
+    temperature: Temperature
+
+    @property
+    def annealed_share(self) -> float:
+        """The share of the iterations with a temperature above 1."""
+        return self.annealing if self.temperature > 1 else 0.0
+
+    def init(self, rng: np.random.Generator, problem: Problem) -> Partition:
+        """Return a state with z by k-means and F at random."""
+        from model.kernels.start import k_means
+
+        pairs = zip(problem.trials.channels, problem.priors, strict=True)
+        z = tuple(k_means(rng, channel.features, prior.categories)[1] for channel, prior in pairs)
+        return Partition(z, problem.frame_prior.draw(rng, problem.trials))
+
+    def finish(self, problem: Problem, state: Partition) -> State:
+        """Return the state with π, φ and θ at their posterior means."""
+        from model.kernels.means import posterior_means
+
+        return posterior_means(problem, state)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from model.data import Ints
-from model.samplers.base import Sampler
-from model.state import Partition, State
+from model.samplers.base import Iterations, Kept, Marginal, Temperature
+from model.state import Partition
 
 if TYPE_CHECKING:
     from model.kernels.mixing.setup import Setup, Tables
@@ -19,11 +19,12 @@ if TYPE_CHECKING:
 
 # Tables are computed anew after so many sweeps, so that rounding errors cannot add up.
 _REFILLED_AFTER = 50
-# Annealing ends after this share of the iterations, well within those that are left out as burn-in.
-_ANNEALED = 0.3
 # Elements of a channel up to which all moves of a sweep are tried: a move's cost grows with the categories, so that
 # beyond it their number falls, and a sweep's cost grows as the number of elements.
 _FEW = 100
+# How many moves of elements a sweep may have, and of words.
+OfChannels = Annotated[int, Field(ge=0, le=100_000)]
+OfWords = Annotated[int, Field(ge=0, le=1000)]
 
 
 @dataclass(frozen=True)
@@ -41,67 +42,43 @@ class Followed(Partition):
     tables: Tables
 
 
-class Mixing(Sampler[Partition]):
+class Mixing(Marginal):
     """Sweeps of several kernels over z and F, π, φ and θ integrated out; ends with their posterior means.
 
     The kernels are `model.kernels.mixing`; docs/model.md, The samplers, says what each is for.
     """
 
+    annealing = 0.3  # well within the iterations that are left out as burn-in
     kind: Literal["mixing"] = "mixing"
-    iterations: int = Field(default=600, ge=1, le=1_000_000, description="sweeps per chain")
-    keep_history: int = Field(
+    iterations: Iterations = Field(default=600, description="sweeps per chain")
+    keep_history: Kept = Field(
         default=300,
-        ge=0,
-        le=1_000_000,
         description="number of states whose z and F are kept, evenly spaced up to the last; at most all",
     )
     parameters: Literal["draw", "mean", "average"] = Field(
         default="mean", description="as for the other kinds; the default is the summary, which one state is not"
     )
-    temperature: float = Field(
+    temperature: Temperature = Field(
         default=3.0,
-        ge=1,
-        le=1_000_000,
         description="the power to which the densities of the features are raised rises from 1/temperature to 1 over "
         "the first three tenths of the iterations; 1 is no annealing",
     )
     trial_sweeps: int = Field(
         default=2, ge=1, le=1000, description="draws of each trial's frame and categories per sweep"
     )
-    split_merge: int = Field(
-        default=20,
-        ge=0,
-        le=100_000,
-        description="splits, merges and shuffles of categories per sweep, of all channels",
+    split_merge: OfChannels = Field(
+        default=20, description="splits, merges and shuffles of categories per sweep, of all channels"
     )
-    group_moves: int = Field(
-        default=20,
-        ge=0,
-        le=100_000,
-        description="moves of an element, and of those that follow it, per sweep, of all channels",
+    group_moves: OfChannels = Field(
+        default=20, description="moves of an element, and of those that follow it, per sweep, of all channels"
     )
-    cluster_moves: int = Field(
+    cluster_moves: OfChannels = Field(
         default=300,
-        ge=0,
-        le=100_000,
         description="draws of the categories of up to three clusters of elements per sweep, of all channels",
     )
-    word_moves: int = Field(default=2, ge=0, le=1000, description="moves of a word to another channel per sweep")
-    exchanges: int = Field(default=2, ge=0, le=1000, description="exchanges of two channels' words per sweep")
-    permutations: int = Field(default=4, ge=0, le=1000, description="permutations of all channels' words per sweep")
-
-    @property
-    def annealed_share(self) -> float:
-        """Three tenths of the iterations, with a temperature above 1."""
-        return _ANNEALED if self.temperature > 1 else 0.0
-
-    def init(self, rng: np.random.Generator, problem: Problem) -> Partition:
-        """Return a state with z by k-means and F at random."""
-        from model.kernels.start import k_means
-
-        pairs = zip(problem.trials.channels, problem.priors, strict=True)
-        z = tuple(k_means(rng, channel.features, prior.categories)[1] for channel, prior in pairs)
-        return Partition(z, problem.frame_prior.draw(rng, problem.trials))
+    word_moves: OfWords = Field(default=2, description="moves of a word to another channel per sweep")
+    exchanges: OfWords = Field(default=2, description="exchanges of two channels' words per sweep")
+    permutations: OfWords = Field(default=4, description="permutations of all channels' words per sweep")
 
     def step(self, rng: np.random.Generator, problem: Problem, state: Partition, iteration: int) -> Followed:
         """Apply the kernels, in the numbers that the settings say."""
@@ -123,12 +100,6 @@ class Mixing(Sampler[Partition]):
         z = tuple(tables.z[c, :N].copy() for c, N in enumerate(setup.size))
         return Followed(z, tables.F.copy(), problem, setup, tables)
 
-    def finish(self, problem: Problem, state: Partition) -> State:
-        """Return the state with π, φ and θ at their posterior means."""
-        from model.kernels.means import posterior_means
-
-        return posterior_means(problem, state)
-
     def log_joint(self, problem: Problem, state: Partition) -> float:
         """Log p(X, w, z, F) from the tables."""
         from model.joint import log_constant
@@ -139,7 +110,7 @@ class Mixing(Sampler[Partition]):
 
     def power(self, iteration: int) -> float:
         """The power to which the densities of the features are raised, which rises to 1 while chains are annealed."""
-        done = iteration / (_ANNEALED * self.iterations)
+        done = iteration / (self.annealing * self.iterations)
         return 1.0 if done >= 1.0 else (1.0 + (self.temperature - 1.0) * done) / self.temperature
 
 
