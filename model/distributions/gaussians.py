@@ -40,14 +40,8 @@ class GaussianInverseWishart(NamedTuple):
 def fit_category(posterior: GaussianInverseWishart, k: int, prior: GaussianPrior, features: Floats, z: Ints) -> None:
     """Set category k of `posterior` to its posterior given the points with z = k, as Algorithm 1 draws from it."""
     dim = features.shape[1]
-    count, centre, upper = 0, np.zeros(dim), posterior.upper[k]
-    for i in range(len(z)):
-        if z[i] == k:
-            count += 1
-            centre += features[i]
-    upper[:] = 0.0
-    for j in range(dim):
-        upper[j, j] = prior.scale
+    centre, upper = np.empty(dim), posterior.upper[k]
+    count = set_scatter(features, z, k, prior.scale, centre, upper)
     posterior.counts[k] = count
     posterior.mean_precision[k] = prior.mean_precision + count
     posterior.degrees_of_freedom[k] = prior.degrees_of_freedom + count
@@ -56,19 +50,44 @@ def fit_category(posterior: GaussianInverseWishart, k: int, prior: GaussianPrior
         for j in range(dim):
             upper[j, j] = prior.scale**0.5
         return
+    posterior.mean[k] = (prior.mean_precision * prior.mean + count * centre) / posterior.mean_precision[k]
+    add_square(upper, centre - prior.mean, prior.mean_precision * count / posterior.mean_precision[k])
+    factorise(upper, prior.scale)
+
+
+@compiled
+def set_scatter(features: Floats, z: Ints, k: int, scale: float, centre: Floats, upper: Floats) -> int:
+    """Set `centre` (dim,) to the mean of the points with z = k, and `upper` to V0 plus their scatter about it.
+
+    Args:
+        features: (N, dim).
+        z: (N,) categories.
+        k: A category.
+        scale: V0 = scale · I.
+        centre: (dim,); 0 without points.
+        upper: (dim, dim), of which the upper triangle is set, and 0 below it.
+
+    Returns:
+        The number of points.
+    """
+    count, dim = 0, features.shape[1]
+    centre[:], upper[:] = 0.0, 0.0
+    for j in range(dim):
+        upper[j, j] = scale
+    for i in range(len(z)):
+        if z[i] == k:
+            count += 1
+            centre += features[i]
+    if count == 0:
+        return count
     centre /= count
     deviation = np.empty(dim)
     for i in range(len(z)):
         if z[i] == k:
-            point = features[i]
             for j in range(dim):
-                deviation[j] = point[j] - centre[j]
+                deviation[j] = features[i, j] - centre[j]
             add_square(upper, deviation, 1.0)
-    for j in range(dim):
-        deviation[j] = centre[j] - prior.mean
-        posterior.mean[k, j] = (prior.mean_precision * prior.mean + count * centre[j]) / posterior.mean_precision[k]
-    add_square(upper, deviation, prior.mean_precision * count / posterior.mean_precision[k])
-    factorise(upper, prior.scale)
+    return count
 
 
 @compiled

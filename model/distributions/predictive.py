@@ -12,6 +12,8 @@ from model.distributions.gaussians import GaussianInverseWishart
 from model.distributions.triangular import downdate, half_log_determinant, squared_length, update
 
 _LOG_PI = math.log(math.pi)
+# A pivot that keeps less than this share of itself has lost too many digits.
+_SMALLEST_SHARE = 1e-6
 
 
 @compiled
@@ -58,7 +60,7 @@ def remove_point(posterior: GaussianInverseWishart, k: int, point: Floats) -> bo
     for j in range(len(point)):
         posterior.mean[k, j] = (before * posterior.mean[k, j] - point[j]) / after
         offset[j] = (after / before) ** 0.5 * (point[j] - posterior.mean[k, j])
-    return downdate(posterior.upper[k], offset)
+    return downdate(posterior.upper[k], offset, _SMALLEST_SHARE)
 
 
 @compiled

@@ -8,11 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.compiled import compiled
+from model.compiled import compiled, inlined, lean
 from model.data import Floats
-
-# A pivot that loses more than this share of itself in a downdate has lost too many digits.
-_SMALLEST_SHARE = 1e-6
 
 
 @compiled
@@ -37,58 +34,64 @@ def factorise(matrix: Floats, floor: float) -> None:
                 target[m] -= share * source[m]
 
 
-@compiled
+@lean
 def update(upper: Floats, vector: Floats) -> None:
-    """Change U to the factor of V + v vᵀ (rank one, O(dim²)); v (dim,) is used up."""
-    dim = len(upper)
+    """Change U to the factor of V + v vᵀ (rank one, O(dim²)); v (dim,) is used up. U may be padded to more rows."""
+    dim = len(vector)
     for j in range(dim):
-        row, rest = upper[j, j + 1 :], vector[j + 1 :]
-        old = upper[j, j]
+        row = upper[j]
+        old = row[j]
         new = (old * old + vector[j] * vector[j]) ** 0.5
         cosine, sine = old / new, vector[j] / new
-        upper[j, j] = new
-        for i in range(dim - j - 1):
+        row[j] = new
+        for i in range(j + 1, dim):
             above = row[i]
-            row[i] = cosine * above + sine * rest[i]
-            rest[i] = cosine * rest[i] - sine * above
+            row[i] = cosine * above + sine * vector[i]
+            vector[i] = cosine * vector[i] - sine * above
 
 
-@compiled
-def downdate(upper: Floats, vector: Floats) -> bool:
-    """Change U to the factor of V − v vᵀ (rank one, O(dim²)); v (dim,) is used up.
+@lean
+def downdate(upper: Floats, vector: Floats, least: float) -> bool:
+    """Change U to the factor of V − v vᵀ (rank one, O(dim²)); v (dim,) is used up. U may be padded to more rows.
 
     Returns:
-        False if too many digits would cancel. U is then of no use, and must be recomputed.
+        False if a pivot would keep no more than the share `least` of itself, so that too many digits would cancel. U
+        is then of no use, and must be recomputed.
     """
-    dim = len(upper)
+    dim = len(vector)
     for j in range(dim):
-        row, rest = upper[j, j + 1 :], vector[j + 1 :]
-        old = upper[j, j]
+        row = upper[j]
+        old = row[j]
         square = (old - vector[j]) * (old + vector[j])
-        if not square > _SMALLEST_SHARE * old * old:
+        if not square > least * old * old:
             return False
         new = square**0.5
         # The hyperbolic rotation in its mixed form, whose rounding errors stay small.
         cosine, sine = new / old, vector[j] / old
-        upper[j, j] = new
-        for i in range(dim - j - 1):
-            row[i] = (row[i] - sine * rest[i]) / cosine
-            rest[i] = cosine * rest[i] - sine * row[i]
+        row[j] = new
+        for i in range(j + 1, dim):
+            row[i] = (row[i] - sine * vector[i]) / cosine
+            vector[i] = cosine * vector[i] - sine * row[i]
     return True
 
 
 @compiled
 def squared_length(upper: Floats, vector: Floats) -> float:
-    """The number vᵀ V⁻¹ v, by forward substitution; v (dim,) is used up and becomes U⁻ᵀ v."""
-    dim = len(upper)
+    """The number vᵀ V⁻¹ v; v (dim,) is used up and becomes U⁻ᵀ v."""
+    return solve(upper, vector, 0, len(vector))
+
+
+@inlined
+def solve(upper: Floats, vector: Floats, first: int, size: int) -> float:
+    """Let y = U⁻ᵀ v replace v, whose numbers before `first` are 0, by forward substitution; returns |y|²."""
     total = 0.0
-    for j in range(dim):
-        value = vector[j] / upper[j, j]
+    for j in range(first, size):
+        row = upper[j]
+        value = vector[j] / row[j]
         vector[j] = value
         total += value * value
-        row, rest = upper[j, j + 1 :], vector[j + 1 :]
-        for i in range(dim - j - 1):
-            rest[i] -= value * row[i]
+        for i in range(j + 1, size):
+            vector[i] -= value * row[i]
     return total
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from model.compiled import compiled
 from model.data import Floats, Ints
 from model.distributions.dirichlet import draw_index
-from model.distributions.gaussians import add_square
+from model.distributions.gaussians import set_scatter
 from model.distributions.triangular import factorise, squared_length
 from model.prior import GaussianPrior
 from model.problem import Problem
@@ -68,29 +68,14 @@ def features_log_marginals(features: Floats, z: Ints, K: int, prior: GaussianPri
     Returns:
         (G,) logarithms.
     """
-    N, dim = features.shape
-    result, deviation, spread = np.zeros(len(values)), np.empty(dim), np.empty((dim, dim))
+    dim = features.shape[1]
+    result, centre, spread = np.zeros(len(values)), np.empty(dim), np.empty((dim, dim))
     for k in range(K):
-        n, centre = 0, np.zeros(dim)
-        for i in range(N):
-            if z[i] == k:
-                n += 1
-                centre += features[i]
+        n = set_scatter(features, z, k, prior.scale, centre, spread)
         if n == 0:
             continue
-        centre /= n
-        spread[:] = 0.0
-        for j in range(dim):
-            spread[j, j] = prior.scale
-        for i in range(N):
-            if z[i] == k:
-                for j in range(dim):
-                    deviation[j] = features[i, j] - centre[j]
-                add_square(spread, deviation, 1.0)
         factorise(spread, prior.scale)
-        for j in range(dim):
-            deviation[j] = centre[j] - prior.mean
-        q = squared_length(spread, deviation)
+        q = squared_length(spread, centre - prior.mean)
         for g in range(len(values)):
             weight = values[g] / (values[g] + n)
             result[g] += 0.5 * dim * math.log(weight)

@@ -124,7 +124,7 @@ BROKEN: dict[str, tuple[ModuleType, str, str, str]] = {
     "group move with a wrong target": (
         group_move,
         "group move",
-        "log_ratio += _log_target(tables, c, target, k, empty)",
+        "log_ratio += _log_target(tables, c, target, k, count_empty(setup, tables, c))",
         "log_ratio += 0.0",
     ),
     "clusters that meet as if they did not": (clusters, "clusters", "if _meet(labels)", "if False"),

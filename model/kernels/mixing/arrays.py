@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from itertools import permutations
 
 import numpy as np
 from scipy.special import gammaln, multigammaln
 
 from model.compiled import compiled
 from model.data import Flags, Floats
-from model.kernels.mixing.setup import MOST_JOINT_WORDS, Setup
+from model.kernels.mixing.setup import MOST_JOINT_WORDS, MOST_PERMUTED, Setup
 from model.kernels.mixing.tree import with_trees
 from model.prior import GaussianPrior
 from model.problem import Problem
@@ -64,6 +65,7 @@ def setup_of(problem: Problem) -> Setup:
         framed=prior.has_frames,
         most=int(min(longest, prior.most_per_channel)),
         joint=prior.joint_words(longest, MOST_JOINT_WORDS),
+        orders=np.array(list(permutations(range(min(C, MOST_PERMUTED))))),
         log_n=np.log(count + weight),
         log_c=np.log(count + gamma),
         log_t=np.log(count + vocabulary * gamma),

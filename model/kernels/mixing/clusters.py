@@ -20,8 +20,8 @@ import numpy as np
 
 from model.compiled import compiled, lean
 from model.data import Flags, Floats, Ints
-from model.kernels.mixing.counts import category_log_mass, copy_category, count_words, put
-from model.kernels.mixing.gaussians import attach, detach
+from model.distributions.choices import draw_weighted
+from model.kernels.mixing.counts import category_log_mass, copy_category, join, leave, put
 from model.kernels.mixing.setup import SCRATCH, Setup, Tables
 
 # Combinations of categories that are weighed: of three clusters with ten categories.
@@ -49,20 +49,13 @@ def move_clusters(rng: np.random.Generator, setup: Setup, tables: Tables, c: int
     if used == 0:
         return 0
     weights = _log_weights(_gains(setup, tables, c, elements, bounds[: used + 1]), used)
-    threshold, chosen = rng.random() * _exponentiate(weights), 0
-    for combination in range(len(weights)):
-        if weights[combination] > 0.0:
-            chosen = combination
-            threshold -= weights[combination]
-            if threshold < 0.0:
-                break
+    _exponentiate(weights)
+    chosen = draw_weighted(rng, weights)
     for u in range(used):
         k = chosen % K
         chosen //= K
         for i in elements[bounds[u] : bounds[u + 1]]:
-            attach(setup, tables, c, k, i)
-            if setup.owner[c, i] >= 0:
-                count_words(setup, tables, c, setup.owner[c, i], k, 1)
+            join(setup, tables, c, k, i)
     return used
 
 
@@ -103,9 +96,7 @@ def _take(setup: Setup, tables: Tables, c: int, elements: Ints) -> bool:
         if tables.z[c, i] != k:
             return False
     for i in elements:
-        if setup.owner[c, i] >= 0:
-            count_words(setup, tables, c, setup.owner[c, i], k, -1)
-        detach(setup, tables, c, i)
+        leave(setup, tables, c, i)
     return True
 
 
@@ -193,12 +184,10 @@ def _gain_together(gains: Floats, labels: Ints) -> float:
 
 
 @lean
-def _exponentiate(weights: Floats) -> float:
-    """Replace log weights by weights, of which the largest is 1; their sum. What is too little to count is 0."""
-    top, total = -np.inf, 0.0
+def _exponentiate(weights: Floats) -> None:
+    """Replace log weights by weights, of which the largest is 1. What is too little to count is 0."""
+    top = -np.inf
     for weight in weights:
         top = max(top, weight)
     for n in range(len(weights)):
         weights[n] = math.exp(weights[n] - top) if weights[n] - top > _LEAST else 0.0
-        total += weights[n]
-    return total

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from model.compiled import compiled, inlined, lean
-from model.kernels.mixing.gaussians import attach, clear_points, log_density, push
+from model.data import Floats
+from model.kernels.mixing.gaussians import attach, clear_points, detach, log_density, push
 from model.kernels.mixing.setup import NEVER, Setup, Tables
 
 
@@ -94,6 +97,31 @@ def element_log_weight(setup: Setup, tables: Tables, c: int, k: int, i: int) -> 
     return float(result)
 
 
+@compiled
+def element_log_weights(setup: Setup, tables: Tables, c: int, i: int) -> Floats:
+    """(K,) `element_log_weight` of every category."""
+    log_weights = np.empty(setup.categories[c])
+    for k in range(len(log_weights)):
+        log_weights[k] = element_log_weight(setup, tables, c, k, i)
+    return log_weights
+
+
+@lean
+def join(setup: Setup, tables: Tables, c: int, k: int, i: int) -> None:
+    """Put element i, which is in no category, and its words into category k."""
+    attach(setup, tables, c, k, i)
+    if setup.owner[c, i] >= 0:
+        count_words(setup, tables, c, setup.owner[c, i], k, 1)
+
+
+@lean
+def leave(setup: Setup, tables: Tables, c: int, i: int) -> None:
+    """Take element i and its words out of its category."""
+    if setup.owner[c, i] >= 0:
+        count_words(setup, tables, c, setup.owner[c, i], tables.z[c, i], -1)
+    detach(setup, tables, c, i)
+
+
 @inlined
 def put(setup: Setup, tables: Tables, c: int, k: int, i: int) -> None:
     """Put element i and its words into a scratch category."""
@@ -119,6 +147,27 @@ def _words_log_mass(setup: Setup, tables: Tables, c: int, k: int) -> float:
             if count > 0:
                 result += setup.mass_c[c, count]
     return result
+
+
+@lean
+def count_empty(setup: Setup, tables: Tables, c: int) -> int:
+    """How many categories of channel c are empty."""
+    empty = 0
+    for k in range(setup.categories[c]):
+        empty += tables.n[c, k] == 0
+    return empty
+
+
+@lean
+def draw_empty(rng: np.random.Generator, setup: Setup, tables: Tables, c: int, empty: int) -> int:
+    """One of the empty categories, all alike."""
+    which = int(rng.random() * empty)
+    for k in range(setup.categories[c]):
+        if tables.n[c, k] == 0:
+            if which == 0:
+                return k
+            which -= 1
+    return -1
 
 
 @compiled

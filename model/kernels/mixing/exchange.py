@@ -12,10 +12,11 @@ import numpy as np
 
 from model.compiled import compiled, lean
 from model.data import Ints
+from model.distributions.choices import draw_other, shuffle
 from model.distributions.dirichlet import draw_index, log_total
-from model.kernels.mixing.counts import count_words, element_log_weight
-from model.kernels.mixing.gaussians import attach, detach
+from model.kernels.mixing.counts import element_log_weights, join
 from model.kernels.mixing.setup import Setup, Tables
+from model.kernels.mixing.trial_block import categories_of, put_back, take_out
 
 
 @compiled
@@ -25,9 +26,7 @@ def exchange(rng: np.random.Generator, setup: Setup, tables: Tables, word: int) 
     if not setup.framed or C < 2:
         return False
     x = int(rng.random() * C)
-    y = int(rng.random() * (C - 1))
-    if y >= x:
-        y += 1
+    y = draw_other(rng, C, x)
     if x > y:
         x, y = y, x
     trials, size = np.empty(D, dtype=np.int64), 0
@@ -41,64 +40,36 @@ def exchange(rng: np.random.Generator, setup: Setup, tables: Tables, word: int) 
             size += 1
     if size == 0:
         return False
-    trials = trials[:size]
-    for p in range(size - 1, 0, -1):
-        q = int(rng.random() * (p + 1))
-        trials[p], trials[q] = trials[q], trials[p]
-    before = np.empty((size, 2), dtype=np.int64)
-    for p in range(size):
-        before[p, 0], before[p, 1] = (
-            tables.z[x, setup.speaker[x, trials[p]]],
-            tables.z[y, setup.speaker[y, trials[p]]],
-        )
-    _take_out_pair(setup, tables, trials, x, y)
-    present = _put_back_pair(rng, setup, tables, trials, x, y, before, True)
-    _take_out_pair(setup, tables, trials, x, y)
+    trials, channels = trials[:size], np.array([x, y])
+    shuffle(rng, trials)
+    before = categories_of(setup, tables, trials, channels)
+    take_out(setup, tables, trials, channels)
+    present = _draw_back(rng, setup, tables, trials, channels, before, True)
+    take_out(setup, tables, trials, channels)
     _swap(setup, tables, trials, x, y)
-    new = _put_back_pair(rng, setup, tables, trials, x, y, before, False)
+    new = _draw_back(rng, setup, tables, trials, channels, before, False)
     if math.log(rng.random()) < new - present:
         return True
-    _take_out_pair(setup, tables, trials, x, y)
+    take_out(setup, tables, trials, channels)
     _swap(setup, tables, trials, x, y)
     for p in range(size):
-        _place(setup, tables, x, trials[p], before[p, 0])
-        _place(setup, tables, y, trials[p], before[p, 1])
+        put_back(setup, tables, trials[p], channels, before[p])
     return False
 
 
-@lean
-def _take_out_pair(setup: Setup, tables: Tables, trials: Ints, x: int, y: int) -> None:
-    """Take the speakers of two channels and their words out."""
-    for d in trials:
-        for c in (x, y):
-            i = setup.speaker[c, d]
-            count_words(setup, tables, c, d, tables.z[c, i], -1)
-            detach(setup, tables, c, i)
-
-
 @compiled
-def _put_back_pair(
-    rng: np.random.Generator, setup: Setup, tables: Tables, trials: Ints, x: int, y: int, before: Ints, forced: bool
+def _draw_back(
+    rng: np.random.Generator, setup: Setup, tables: Tables, trials: Ints, channels: Ints, before: Ints, forced: bool
 ) -> float:
-    """Put speakers of two channels into drawn categories, or forced into those before; returns Σ log normalisers."""
+    """Put speakers into drawn categories, or force them into those before; returns Σ log normalisers."""
     total = 0.0
     for p in range(len(trials)):
-        for side in range(2):
-            c = x if side == 0 else y
-            i = setup.speaker[c, trials[p]]
-            log_weights = np.empty(setup.categories[c])
-            for k in range(len(log_weights)):
-                log_weights[k] = element_log_weight(setup, tables, c, k, i)
+        for n in range(len(channels)):
+            c, i = channels[n], setup.speaker[channels[n], trials[p]]
+            log_weights = element_log_weights(setup, tables, c, i)
             total += log_total(log_weights)
-            k = before[p, side] if forced else draw_index(rng, log_weights)
-            _place(setup, tables, c, trials[p], k)
+            join(setup, tables, c, before[p, n] if forced else draw_index(rng, log_weights), i)
     return total
-
-
-@lean
-def _place(setup: Setup, tables: Tables, c: int, d: int, k: int) -> None:
-    attach(setup, tables, c, k, setup.speaker[c, d])
-    count_words(setup, tables, c, d, k, 1)
 
 
 @lean

@@ -6,24 +6,11 @@ import math
 
 from model.compiled import inlined, lean
 from model.data import Floats
+from model.distributions.triangular import downdate, solve, update
 from model.kernels.mixing.setup import Setup, Tables
 
-# A share of a point in its category below which its removal would cancel too many digits.
+# A share of a point in its category, or of a pivot, below which a removal would cancel too many digits.
 _SMALLEST_SHARE = 1e-7
-
-
-@inlined
-def _solve(upper: Floats, vector: Floats, first: int, size: int) -> float:
-    """Let y = U⁻ᵀ v replace v, of which the numbers before `first` are 0; returns |y|²."""
-    total = 0.0
-    for j in range(first, size):
-        row = upper[j]
-        value = vector[j] / row[j]
-        vector[j] = value
-        total += value * value
-        for i in range(j + 1, size):
-            vector[i] -= value * row[i]
-    return total
 
 
 @inlined
@@ -35,11 +22,11 @@ def log_factor(setup: Setup, tables: Tables, c: int, k: int, i: int, y: Floats) 
         for a in range(n):
             y[a] = products[members[a]]
         # C − I is positive semi-definite, so that s ≥ 1 but for rounding.
-        return math.log(max(1.0, products[i] - _solve(upper, y, 0, n)))
+        return math.log(max(1.0, products[i] - solve(upper, y, 0, n)))
     dim, point, mean = setup.dim[c], setup.features[c, i], tables.mean[c, k]
     for j in range(dim):
         y[j] = point[j] - mean[j]
-    return math.log(1.0 + 1.0 / (setup.kappa[c] + n) + _solve(upper, y, 0, dim))
+    return math.log(1.0 + 1.0 / (setup.kappa[c] + n) + solve(upper, y, 0, dim))
 
 
 @inlined
@@ -80,11 +67,11 @@ def _log_factor_of_member(setup: Setup, tables: Tables, c: int, k: int, i: int) 
         y[first] = 1.0
         for a in range(first + 1, n):
             y[a] = 0.0
-        return -math.log(min(1.0, _solve(upper, y, first, n)))
+        return -math.log(min(1.0, solve(upper, y, first, n)))
     dim, point, mean = setup.dim[c], setup.features[c, i], tables.mean[c, k]
     for j in range(dim):
         y[j] = point[j] - mean[j]
-    share = 1.0 - 1.0 / (setup.kappa[c] + n) - _solve(upper, y, 0, dim)
+    share = 1.0 - 1.0 / (setup.kappa[c] + n) - solve(upper, y, 0, dim)
     if share > _SMALLEST_SHARE:
         return -math.log(share)
     scratch = len(tables.n[c]) - 1
@@ -129,7 +116,7 @@ def append(setup: Setup, tables: Tables, c: int, k: int, i: int, log_s: float, y
             deviation = point[j] - mean[j]
             mean[j] += deviation / after
             y[j] = (before / after) ** 0.5 * deviation
-        _rotate_in(upper, y, dim)
+        update(upper, y[:dim])
     tables.members[c, k, n] = i
     tables.n[c, k] = n + 1
     tables.log_det[c, k] += log_s
@@ -167,7 +154,7 @@ def detach(setup: Setup, tables: Tables, c: int, i: int) -> None:
     for j in range(dim):
         mean[j] = (before * mean[j] - point[j]) / after
         y[j] = (after / before) ** 0.5 * (point[j] - mean[j])
-    if not _rotate_out(upper, y, dim):
+    if not downdate(upper, y[:dim], _SMALLEST_SHARE):
         _refill(setup, tables, c, k)
 
 
@@ -178,39 +165,6 @@ def _refill(setup: Setup, tables: Tables, c: int, k: int) -> None:
     clear_points(setup, tables, c, k)
     for a in range(n):
         push(setup, tables, c, k, tables.members[c, k, a])
-
-
-@lean
-def _rotate_in(upper: Floats, y: Floats, dim: int) -> None:
-    """Change U to the factor of V + y yᵀ; y is used up."""
-    for j in range(dim):
-        row = upper[j]
-        old = row[j]
-        new = (old * old + y[j] * y[j]) ** 0.5
-        cosine, sine = old / new, y[j] / new
-        row[j] = new
-        for i in range(j + 1, dim):
-            above = row[i]
-            row[i] = cosine * above + sine * y[i]
-            y[i] = cosine * y[i] - sine * above
-
-
-@lean
-def _rotate_out(upper: Floats, y: Floats, dim: int) -> bool:
-    """Change U to the factor of V − y yᵀ; y is used up. False if too many digits cancel: U is of no use then."""
-    for j in range(dim):
-        row = upper[j]
-        old = row[j]
-        square = (old - y[j]) * (old + y[j])
-        if not square > _SMALLEST_SHARE * old * old:
-            return False
-        new = square**0.5
-        cosine, sine = new / old, y[j] / old
-        row[j] = new
-        for i in range(j + 1, dim):
-            row[i] = (row[i] - sine * y[i]) / cosine
-            y[i] = cosine * y[i] - sine * row[i]
-    return True
 
 
 @lean

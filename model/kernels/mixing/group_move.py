@@ -18,10 +18,17 @@ import numpy as np
 
 from model.compiled import compiled, inlined, lean
 from model.data import Ints
-from model.kernels.mixing.counts import category_log_mass, count_words, element_log_weight
-from model.kernels.mixing.gaussians import attach, detach
+from model.distributions.choices import draw_other, shuffle
+from model.kernels.mixing.counts import (
+    category_log_mass,
+    count_empty,
+    count_words,
+    draw_empty,
+    element_log_weight,
+    join,
+    leave,
+)
 from model.kernels.mixing.setup import Setup, Tables
-from model.kernels.mixing.split_merge import draw_empty
 
 
 @compiled
@@ -31,12 +38,8 @@ def move_group(rng: np.random.Generator, setup: Setup, tables: Tables, c: int) -
     if N < 2 or setup.categories[c] < 2:
         return False
     i = int(rng.random() * N)
-    j = int(rng.random() * (N - 1))
-    if j >= i:
-        j += 1
-    k, target, empty = tables.z[c, i], tables.z[c, j], 0
-    for a in range(setup.categories[c]):
-        empty += tables.n[c, a] == 0
+    k, target = tables.z[c, i], tables.z[c, draw_other(rng, N, i)]
+    empty = count_empty(setup, tables, c)
     if target == k:
         if empty == 0:
             return False
@@ -46,10 +49,7 @@ def move_group(rng: np.random.Generator, setup: Setup, tables: Tables, c: int) -
     was = tables.z[c].copy()
     log_ratio -= _move_along(rng, setup, tables, c, i, target, _others(rng, tables, c, i), was, False)
     log_ratio += category_log_mass(setup, tables, c, k) + category_log_mass(setup, tables, c, target)
-    empty = 0
-    for a in range(setup.categories[c]):
-        empty += tables.n[c, a] == 0
-    log_ratio += _log_target(tables, c, target, k, empty)
+    log_ratio += _log_target(tables, c, target, k, count_empty(setup, tables, c))
     moved = tables.members[c, target, : tables.n[c, target]].copy()
     log_ratio += _move_along(rng, setup, tables, c, i, k, _others(rng, tables, c, i), was, True)
     if not math.log(rng.random()) < log_ratio:
@@ -77,21 +77,15 @@ def _others(rng: np.random.Generator, tables: Tables, c: int, i: int) -> Ints:
         if x != i:
             order[m] = x
             m += 1
-    for p in range(m - 1, 0, -1):
-        q = int(rng.random() * (p + 1))
-        order[p], order[q] = order[q], order[p]
+    shuffle(rng, order)
     return order
 
 
 @lean
 def _give(setup: Setup, tables: Tables, c: int, x: int, k: int) -> None:
     """Element x to category k, with its words."""
-    d = setup.owner[c, x]
-    if d >= 0:
-        count_words(setup, tables, c, d, tables.z[c, x], -1)
-        count_words(setup, tables, c, d, k, 1)
-    detach(setup, tables, c, x)
-    attach(setup, tables, c, k, x)
+    leave(setup, tables, c, x)
+    join(setup, tables, c, k, x)
 
 
 @lean

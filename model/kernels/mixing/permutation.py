@@ -15,8 +15,6 @@ from model.data import Ints
 from model.distributions.dirichlet import draw_index
 from model.kernels.mixing.setup import Setup, Tables
 
-_MOST = 4
-
 
 @compiled
 def permute_channels(rng: np.random.Generator, setup: Setup, tables: Tables, word: int) -> None:
@@ -32,8 +30,8 @@ def permute_channels(rng: np.random.Generator, setup: Setup, tables: Tables, wor
             trials = trials[rng.random(D) < 0.5]
     if len(trials) == 0:
         return
-    some = rng.permutation(C)[:_MOST]
-    orders = _permutations(len(some))
+    orders = setup.orders
+    some = rng.permutation(C)[: orders.shape[1]]
     maps = np.empty((len(orders), C), dtype=np.int64)
     for p in range(len(orders)):
         maps[p] = np.arange(C)
@@ -64,26 +62,3 @@ def _count(setup: Setup, tables: Tables, trials: Ints, permutation: Ints, change
             tables.words[c, k, w] += change
             tables.total[c, k] += change
     return total
-
-
-@compiled
-def _permutations(n: int) -> Ints:
-    """(n!, n) all orders of 0 to n − 1, the first being the identity."""
-    count = 1
-    for m in range(2, n + 1):
-        count *= m
-    result = np.empty((count, n), dtype=np.int64)
-    for p in range(count):
-        left, rest = np.arange(n), p
-        size = n
-        for a in range(n):
-            block = 1
-            for m in range(2, size):
-                block *= m
-            at = rest // block
-            rest %= block
-            result[p, a] = left[at]
-            for b in range(at, size - 1):
-                left[b] = left[b + 1]
-            size -= 1
-    return result

@@ -25,6 +25,8 @@ Hashes = NDArray[np.uint64]
 NEVER = np.uint64(np.iinfo(np.uint64).max)
 # Words of a sentence whose frames are drawn together where the prior of the frames factorises.
 MOST_JOINT_WORDS = 6
+# Channels that are permuted together, at most.
+MOST_PERMUTED = 4
 # Categories beyond the K of each channel, in which proposals are built.
 SCRATCH = 3
 
@@ -51,6 +53,7 @@ class Setup(NamedTuple):
         framed: Whether words have frames; else each channel explains all words.
         most: Words of a sentence that a channel may explain.
         joint: Words of a sentence whose frames are drawn together.
+        orders: (orders, channels) all orders of the channels that are permuted together, the first the identity.
         log_n: (C, …) log(n + α/K).
         log_c: (C, …) log(n + γ).
         log_t: (C, …) log(n + Wγ).
@@ -82,6 +85,7 @@ class Setup(NamedTuple):
     framed: bool
     most: int
     joint: int
+    orders: Ints
     log_n: Floats
     log_c: Floats
     log_t: Floats

@@ -6,7 +6,7 @@ import numpy as np
 
 from model.compiled import compiled, lean
 from model.distributions.dirichlet import draw_index
-from model.kernels.mixing.counts import element_log_weight
+from model.kernels.mixing.counts import element_log_weights
 from model.kernels.mixing.gaussians import attach, detach
 from model.kernels.mixing.setup import Setup, Tables
 
@@ -15,12 +15,9 @@ from model.kernels.mixing.setup import Setup, Tables
 def sweep_silent(rng: np.random.Generator, setup: Setup, tables: Tables) -> None:
     """Draw z of each silent element from p(z_i = k | …) ∝ (n_k + α/K) · p(x_i | k)."""
     for c in range(len(setup.size)):
-        log_weights = np.empty(setup.categories[c])
         for i in range(setup.size[c]):
             if setup.owner[c, i] < 0:
-                for k in range(len(log_weights)):
-                    log_weights[k] = element_log_weight(setup, tables, c, k, i)
-                move(setup, tables, c, i, draw_index(rng, log_weights))
+                move(setup, tables, c, i, draw_index(rng, element_log_weights(setup, tables, c, i)))
 
 
 @lean

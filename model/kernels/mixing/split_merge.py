@@ -23,7 +23,16 @@ import numpy as np
 
 from model.compiled import compiled, lean
 from model.data import Ints
-from model.kernels.mixing.counts import category_log_mass, clear, copy_category, count_words, log_words
+from model.distributions.choices import shuffle
+from model.kernels.mixing.counts import (
+    category_log_mass,
+    clear,
+    copy_category,
+    count_empty,
+    count_words,
+    draw_empty,
+    log_words,
+)
 from model.kernels.mixing.gaussians import append, log_factor, log_predictive, push
 from model.kernels.mixing.setup import SCRATCH, Setup, Tables
 
@@ -49,9 +58,7 @@ def split_or_merge(rng: np.random.Generator, setup: Setup, tables: Tables, c: in
             return False
         labels[present_ways] = third
         present_ways += 1
-    empty = 0
-    for a in range(setup.categories[c]):
-        empty += tables.n[c, a] == 0
+    empty = count_empty(setup, tables, c)
     if together and empty == 0:
         return False
     order = _in_random_order(rng, tables, c, anchors, labels[:present_ways])
@@ -112,10 +119,7 @@ def _in_random_order(rng: np.random.Generator, tables: Tables, c: int, anchors: 
             if x not in anchors:
                 order[m] = x
                 m += 1
-    first = len(anchors)
-    for p in range(m - 1, first, -1):
-        q = first + int(rng.random() * (p - first + 1))
-        order[p], order[q] = order[q], order[p]
+    shuffle(rng, order[len(anchors) :])
     return order
 
 
@@ -211,18 +215,6 @@ def _allocate(
         if d >= 0:
             count_words(setup, tables, c, d, scratch + way, 1)
     return float(total)
-
-
-@lean
-def draw_empty(rng: np.random.Generator, setup: Setup, tables: Tables, c: int, empty: int) -> int:
-    """One of the empty categories, all alike."""
-    which = int(rng.random() * empty)
-    for a in range(setup.categories[c]):
-        if tables.n[c, a] == 0:
-            if which == 0:
-                return a
-            which -= 1
-    return -1
 
 
 @lean

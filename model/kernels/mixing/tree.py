@@ -49,20 +49,14 @@ def with_trees(setup: Setup) -> Setup:
 def _features_of(setup: Setup, c: int) -> Setup:
     """The setup of one channel without words, with as many categories as elements."""
     size, dim = setup.size[c], setup.dim[c]
-    own = slice(c, c + 1)
+    points, own = size if setup.by_points[c] else 1, slice(c, c + 1)
+    kept = ("size", "dim", "by_points", "kappa", "nu", "density", "mass_n", "key")
     return setup._replace(
-        size=setup.size[own],
+        **{name: getattr(setup, name)[own] for name in kept},
         categories=setup.size[own],
-        dim=setup.dim[own],
-        by_points=setup.by_points[own],
         features=setup.features[own, :size, :dim],
-        products=setup.products[own, : size if setup.by_points[c] else 1, : size if setup.by_points[c] else 1],
-        kappa=setup.kappa[own],
-        nu=setup.nu[own],
-        density=setup.density[own],
+        products=setup.products[own, :points, :points],
         owner=np.full((1, size), -1, dtype=np.int64),
-        mass_n=setup.mass_n[own],
-        key=setup.key[own],
         beta=1.0,
     )
 
@@ -80,17 +74,15 @@ def _agglomerate(rng: np.random.Generator, setup: Setup, tables: Tables, c: int,
     for i in range(N):
         _weigh_unions(rng, setup, tables, c, i, alive[:i], mass, gain, noise)
     for m in range(N - 1):
-        k, other, best = 0, 0, -np.inf
-        for i in range(N):
-            for j in range(i):
-                if alive[i] and alive[j] and gain[i, j] > best:
-                    k, other, best = i, j, gain[i, j]
+        k, other = divmod(np.argmax(gain), N)
         if tables.n[c, other] > tables.n[c, k]:
             k, other = other, k
         for p in range(tables.n[c, other]):
             push(setup, tables, c, k, tables.members[c, other, p])
         joins[m] = node[k], node[other]
         alive[other] = False
+        gain[other] = -np.inf
+        gain[:, other] = -np.inf
         node[k], mass[k] = N + m, category_log_mass(setup, tables, c, k)
         _weigh_unions(rng, setup, tables, c, k, alive, mass, gain, noise)
     return joins

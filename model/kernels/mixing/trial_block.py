@@ -14,9 +14,9 @@ import numpy as np
 
 from model.compiled import compiled, lean
 from model.data import Floats, Ints
+from model.distributions.choices import draw_weighted
 from model.distributions.dirichlet import draw_index, log_total
-from model.kernels.mixing.counts import count_words, element_log_weight
-from model.kernels.mixing.gaussians import attach, detach
+from model.kernels.mixing.counts import count_words, element_log_weight, element_log_weights, join, leave
 from model.kernels.mixing.setup import Setup, Tables
 from model.kernels.mixing.silent import move
 
@@ -42,21 +42,29 @@ def sweep_trials(rng: np.random.Generator, setup: Setup, tables: Tables) -> None
                 break
 
 
-@lean
-def take_out(setup: Setup, tables: Tables, d: int) -> None:
-    """Take the speakers of trial d and its words out of all channels."""
-    for c in range(len(setup.size)):
-        i = setup.speaker[c, d]
-        count_words(setup, tables, c, d, tables.z[c, i], -1)
-        detach(setup, tables, c, i)
+@compiled
+def categories_of(setup: Setup, tables: Tables, trials: Ints, channels: Ints) -> Ints:
+    """(trials, channels) the categories of the speakers."""
+    z = np.empty((len(trials), len(channels)), dtype=np.int64)
+    for p in range(len(trials)):
+        for n in range(len(channels)):
+            z[p, n] = tables.z[channels[n], setup.speaker[channels[n], trials[p]]]
+    return z
 
 
 @lean
-def put_back(setup: Setup, tables: Tables, d: int, z: Ints) -> None:
-    """Put the speakers of trial d into categories z (C,), and its words."""
-    for c in range(len(setup.size)):
-        attach(setup, tables, c, z[c], setup.speaker[c, d])
-        count_words(setup, tables, c, d, z[c], 1)
+def take_out(setup: Setup, tables: Tables, trials: Ints, channels: Ints) -> None:
+    """Take the speakers of some trials and their words out of some channels."""
+    for d in trials:
+        for c in channels:
+            leave(setup, tables, c, setup.speaker[c, d])
+
+
+@lean
+def put_back(setup: Setup, tables: Tables, d: int, channels: Ints, z: Ints) -> None:
+    """Put the speakers of trial d into categories z, one per channel, and its words."""
+    for n in range(len(channels)):
+        join(setup, tables, channels[n], z[n], setup.speaker[channels[n], d])
 
 
 @compiled
@@ -107,7 +115,7 @@ def draw_trial(
         for m in range(n):
             if mine >> m & 1:
                 tables.F[part[m]] = c
-        chosen[c] = _draw_weighted(rng, weights[c, :, mine])
+        chosen[c] = draw_weighted(rng, weights[c, :, mine])
     return float(log_z + math.log(total))
 
 
@@ -116,9 +124,7 @@ def _draw_unframed(rng: np.random.Generator, setup: Setup, tables: Tables, d: in
     """As `draw_trial` where each channel explains all words: the channels are independent."""
     log_z = 0.0
     for c in range(len(setup.size)):
-        log_weights, i = np.empty(setup.categories[c]), setup.speaker[c, d]
-        for k in range(len(log_weights)):
-            log_weights[k] = element_log_weight(setup, tables, c, k, i)
+        log_weights = element_log_weights(setup, tables, c, setup.speaker[c, d])
         log_z += log_total(log_weights)
         chosen[c] = draw_index(rng, log_weights)
     return log_z
@@ -215,20 +221,4 @@ def _draw_subset(rng: np.random.Generator, left: Floats, right: Floats, whole: i
         if s == 0:
             break
         s = (s - 1) & whole
-    return chosen
-
-
-@lean
-def _draw_weighted(rng: np.random.Generator, weights: Floats) -> int:
-    """An index, with probability in proportion to weights, which need not be contiguous."""
-    total = 0.0
-    for weight in weights:
-        total += weight
-    threshold, chosen = rng.random() * total, 0
-    for k in range(len(weights)):
-        if weights[k] > 0.0:
-            chosen = k
-            threshold -= weights[k]
-            if threshold < 0.0:
-                break
     return chosen

@@ -14,8 +14,9 @@ import numpy as np
 
 from model.compiled import compiled, lean
 from model.data import Ints
+from model.distributions.choices import draw_other, shuffle
 from model.kernels.mixing.setup import Setup, Tables
-from model.kernels.mixing.trial_block import draw_trial, put_back, take_out
+from model.kernels.mixing.trial_block import categories_of, draw_trial, put_back, take_out
 
 
 @compiled
@@ -28,18 +29,10 @@ def move_word(rng: np.random.Generator, setup: Setup, tables: Tables, word: int)
     x = _channel_of(setup, tables, word, trials)
     if x < 0:
         return False
-    y = int(rng.random() * (C - 1))
-    if y >= x:
-        y += 1
-    for p in range(len(trials) - 1, 0, -1):
-        q = int(rng.random() * (p + 1))
-        trials[p], trials[q] = trials[q], trials[p]
-    before, F = np.empty((len(trials), C), dtype=np.int64), tables.F.copy()
-    for p in range(len(trials)):
-        for c in range(C):
-            before[p, c] = tables.z[c, setup.speaker[c, trials[p]]]
-    for d in trials:
-        take_out(setup, tables, d)
+    y, channels = draw_other(rng, C, x), np.arange(C)
+    shuffle(rng, trials)
+    before, F = categories_of(setup, tables, trials, channels), tables.F.copy()
+    take_out(setup, tables, trials, channels)
     chosen = np.empty(C, dtype=np.int64)
     present = 0.0
     for p in range(len(trials)):
@@ -48,24 +41,22 @@ def move_word(rng: np.random.Generator, setup: Setup, tables: Tables, word: int)
         present += draw_trial(rng, setup, tables, d, part, word, x, chosen)
         for t in part:
             tables.F[t] = F[t]
-        put_back(setup, tables, d, before[p])
-    for d in trials:
-        take_out(setup, tables, d)
+        put_back(setup, tables, d, channels, before[p])
+    take_out(setup, tables, trials, channels)
     new, done = 0.0, 0
     for d in trials:
         log_z = draw_trial(rng, setup, tables, d, _part(setup, d, word), word, y, chosen)
         new += log_z
         if log_z == -np.inf:
             break
-        put_back(setup, tables, d, chosen)
+        put_back(setup, tables, d, channels, chosen)
         done += 1
     if math.log(rng.random()) < new - present:
         return True
-    for d in trials[:done]:
-        take_out(setup, tables, d)
+    take_out(setup, tables, trials[:done], channels)
     tables.F[:] = F
     for p in range(len(trials)):
-        put_back(setup, tables, trials[p], before[p])
+        put_back(setup, tables, trials[p], channels, before[p])
     return False
 
 
