@@ -9,7 +9,8 @@ from typing import Any
 
 import pandas as pd
 
-from evaluation.catalogue import PAPER_TABLES, ShownFigure
+from evaluation.catalogue import PAPER_TABLES
+from evaluation.figures.catalogue import ShownFigure
 from evaluation.pages.page import Part, Section, image, table
 from evaluation.scores import ROW_KEYS, UNITS
 from evaluation.table_forms import Sheet, fragment

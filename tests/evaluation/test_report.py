@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from evaluation.catalogue import FIGURES, ShownFigure, shown_figure
 from evaluation.convergence import GOAL, TOLERATED
+from evaluation.figures.catalogue import FIGURES, ShownFigure, shown_figure
 from evaluation.pages import causes, lights, origins, report, variance
 from evaluation.pages.page import Part, Section, page
 from evaluation.scores import COLUMNS

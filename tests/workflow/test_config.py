@@ -17,7 +17,7 @@ from jsonschema import Draft202012Validator
 from pydantic import ValidationError
 
 from data_collection.limits import NAME_PATTERN, NAME_RULE, PATH_PATTERN, WORD_PATTERN, WORD_RULE
-from evaluation.catalogue import FIGURES
+from evaluation.figures.catalogue import FIGURES
 from tests.fuzz import FEW, MANY, MUTATIONS, Mutation, examples, mutated
 from tests.synthetic import WORDS
 from tests.workflow.configs import FILE, minimal

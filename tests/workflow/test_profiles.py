@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from evaluation.catalogue import FIGURES
+from evaluation.figures.catalogue import FIGURES
 from workflow.artifacts.provenance import ROOT
 from workflow.execution.engine import PROFILES, command_line
 

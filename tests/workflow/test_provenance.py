@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from evaluation.catalogue import FIGURES
+from evaluation.figures.catalogue import FIGURES
 from workflow.artifacts import provenance
 from workflow.artifacts.provenance import ROOT, code_is_unchanged, imported_files, rule_code
 

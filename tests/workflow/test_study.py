@@ -15,8 +15,8 @@ import pandas as pd
 import pytest
 import yaml
 
-from evaluation.catalogue import FIGURES
 from evaluation.convergence import read_lights
+from evaluation.figures.catalogue import FIGURES
 from model import load
 from model.diagnostics import check_chains
 from tests.browser import look, needs_chromium

@@ -1,7 +1,8 @@
 """What the rules of presentation.smk ask of the plan: tables, figures, clips to rate, the report."""
 
 from dataclasses import replace
-from evaluation.catalogue import FIGURES, files_of_tables, shown_figure, tables_of
+from evaluation.catalogue import files_of_tables, tables_of
+from evaluation.figures.catalogue import FIGURES, shown_figure
 from model import METHODS
 from workflow.artifacts.versions import pinned_packages, python_version, study_hash
 from workflow.plan.all_settings import all_settings, source_in_words
