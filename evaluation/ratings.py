@@ -12,7 +12,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from data_collection.files import write_text
 from evaluation.scores import SEEDS, in_order, write_csv
+from evaluation.templates import render
 
 FORM_COLUMNS = ("clip", "rater", "word", "allowed")
 KEY_COLUMNS = ("clip", *SEEDS, "seed", "trial", "instructed", "judged", "allowed")
@@ -60,6 +62,17 @@ def make_key(rows: Sequence[Mapping[str, object]], allowed: Sequence[str], rng: 
 def write_form(key: pd.DataFrame, path: Path) -> None:
     """Write the form to fill in: a row per clip, rater and word empty."""
     write_csv(key[["clip", "allowed"]].assign(rater="", word="")[list(FORM_COLUMNS)], path)
+
+
+def write_page(clips: Sequence[tuple[str, str, Sequence[str]]], title: str, path: Path) -> None:
+    """Write the page on which people rate clips; it needs no server, and saves the filled-in form as CSV.
+
+    Args:
+        clips: Name, path of the picture relative to the page, and allowed words of each clip.
+        title: Heading of the page.
+        path: The page.
+    """
+    write_text(path, render("ratings.html", clips=clips, title=title))
 
 
 def read_key(path: Path) -> pd.DataFrame:

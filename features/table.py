@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 
 from data_collection.files import replacing
 from features.table_check import problems_of_tables
-from features.table_columns import EXPECTED, FILES, Column, Words
-from features.table_files import Read, load, numbers
+from features.table_columns import FILES, Words
+from features.table_files import Read, load
 from features.table_rounding import without_rounding
 from features.table_types import conform
+from features.table_values import stored, values_of
 
 Texts = tuple[str | None, ...]
 
@@ -89,14 +90,7 @@ class FeatureTable:
 def check_table(
     trials: Path | str, objects: Path | str, *, words: Words | None = None, need_attention: bool
 ) -> list[str]:
-    """List every breach of the contract in two files: file, column, row, what is expected.
-
-    Args:
-        trials: Parquet file of the trials, or a folder of such files.
-        objects: The same of the objects.
-        words: The experiment's words of each channel; with it, any other word is a breach.
-        need_attention: Whether every trial's `attended_object` must be known (training needs it).
-    """
+    """List every breach of the contract in two files: file, column, row, what is expected; see `import_table`."""
     try:
         import_table(trials, objects, words=words, need_attention=need_attention)
     except TableError as error:
@@ -107,7 +101,7 @@ def check_table(
 def import_table(
     trials: Path | str, objects: Path | str, *, words: Words | None = None, need_attention: bool
 ) -> FeatureTable:
-    """Read a feature table of unknown origin, in child processes with limited memory; see `check_table`.
+    """Read a feature table of unknown origin, in child processes with limited memory.
 
     What its program wrote otherwise than the contract says is converted where nothing is lost (`import_with_notes`
     says what): whole numbers and vectors of other types, colors that sum to 1 but for rounding, and texts in another
@@ -117,7 +111,7 @@ def import_table(
         trials: Parquet file of the trials, or a folder of such files.
         objects: The same of the objects.
         words: The experiment's words of each channel; with it, any other word is a breach.
-        need_attention: Whether every trial's `attended_object` must be known.
+        need_attention: Whether every trial's `attended_object` must be known (training needs it).
 
     Raises:
         TableError: The files break the contract; the message lists all problems.
@@ -170,10 +164,10 @@ def _sound_table(
         raise TableError(problems)
     trials = trials.sort_by("trial")
     objects = objects.sort_by([("trial", "ascending"), ("object", "ascending")])
-    values = {column.name: _values(objects, column) for column in FILES["objects"]}
+    values = {column.name: values_of(objects, column) for column in FILES["objects"]}
     owner = values.pop("trial")
     del values["object"]  # 0, 1, … in each trial, now that the rows are sorted
-    values |= {column.name: _values(trials, column) for column in FILES["trials"]}
+    values |= {column.name: values_of(trials, column) for column in FILES["trials"]}
     return FeatureTable(trial_index=np.searchsorted(values["trial"], owner).astype(np.int64), **values)
 
 
@@ -231,34 +225,11 @@ def head(table: FeatureTable, D: int) -> FeatureTable:
     return FeatureTable(**{name: first(values, D if name in by_trial else N) for name, values in vars(table).items()})
 
 
-def _values(table: Any, column: Column) -> Any:
-    """A column of an Arrow table as `FeatureTable` holds it; None for a text column that is absent or all null."""
-    if column.name not in table.column_names:
-        return None
-    stored = table[column.name].combine_chunks()
-    match column.kind:
-        case "integer":
-            return numbers(stored, -1)
-        case "vector":
-            return numbers(stored.flatten(), np.nan).reshape(len(stored), -1)
-        case "words":
-            return tuple(tuple(sentence) for sentence in stored.to_pylist())
-        case "text":
-            return None if stored.null_count == len(stored) else tuple(stored.to_pylist())
-
-
 def _arrow(table: FeatureTable) -> tuple[Any, ...]:
     """The Arrow tables of both files."""
     index = np.arange(len(table.trial_index)) - table.first_object[table.trial_index]
     parts = vars(table), vars(table) | {"trial": table.trial[table.trial_index], "object": index}
     return tuple(
-        pa.table({one.name: _stored(values, one) for one in columns if (values := part[one.name]) is not None})
+        pa.table({one.name: stored(values, one) for one in columns if (values := part[one.name]) is not None})
         for part, columns in zip(parts, FILES.values(), strict=True)
     )
-
-
-def _stored(values: Any, column: Column) -> Any:
-    """Values of a `FeatureTable` as an Arrow array; the inverse of `_values`."""
-    missing = values < 0 if column.kind == "integer" and column.nullable else None
-    values = values if column.kind == "integer" else list(values)
-    return pa.array(values, EXPECTED[column.kind], mask=missing)

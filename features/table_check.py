@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from data_collection.limits import WORD_RULE, is_word
 from features.size_limits import MAX_NUMBER, MAX_VECTOR_LENGTH
 from features.table_columns import EXPECTED, FILES, Column, Words
-from features.table_files import nulls, numbers
+from features.table_values import nulls, numbers
 
 MAX_ROWS_NAMED = 20
 """Number of rows named for one breach of one column; the rest are counted."""

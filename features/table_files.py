@@ -207,19 +207,3 @@ def _longest_text(values: Any) -> int:
         if holds_text(inner.type):
             longest = max(longest, pc.max(pc.binary_length(inner.cast(pa.large_binary()))).as_py() or 0)
     return longest
-
-
-def nulls(array: Any) -> NDArray[np.bool_]:
-    """Which values of an Arrow array are null."""
-    return np.asarray(np.from_dlpack(array.is_null().cast(pa.int8())), dtype=bool)
-
-
-def numbers(array: Any, missing: float) -> NDArray[Any]:
-    """The values of an Arrow array of numbers, `missing` where one is null.
-
-    `np.asarray` would import pandas, which takes a fifth of a second in each of hundreds of fits.
-    """
-    known = np.from_dlpack(array.drop_null())
-    values = np.full(len(array), missing, dtype=known.dtype)
-    values[~nulls(array)] = known
-    return values

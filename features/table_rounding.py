@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from features.table_check import COLOR_SUM_TOLERANCE
 from features.table_columns import Column
-from features.table_files import Read, nulls, numbers
+from features.table_files import Read
+from features.table_values import nulls, numbers
 
 DECIMALS = range(2, 8)
 """Decimals to which shares may have been rounded; of fewer, rounding would explain nearly everything."""

@@ -1,1 +1,1 @@
-"""HTML pages: the report, the claims, the form for people who rate clips."""
+"""HTML pages: the report, the claims, the lights and the chains."""

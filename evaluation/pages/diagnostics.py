@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -12,9 +11,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from data_collection.files import replacing
+from data_collection.files import write_text
 from evaluation.convergence import light_of
 from evaluation.figures.chains import chains_figure
+from evaluation.pages.page import image
 from evaluation.scores import write_csv
 from evaluation.templates import simple_page
 from model import METHODS, Fit
@@ -52,8 +52,7 @@ def diagnose_condition(condition: Mapping[str, Any], fits: Sequence[Fit]) -> tup
 def write_page(title: str, parts: Sequence[tuple[pd.DataFrame, str]], table: Path, page: Path) -> None:
     """Write the figures of all conditions as CSV and as one page that needs no other file."""
     write_csv(pd.concat([frame for frame, _ in parts]), table)
-    with replacing(page) as (temporary,):
-        temporary.write_text(simple_page(title, "\n".join([NOTE, *(text for _, text in parts)])), encoding="utf-8")
+    write_text(page, simple_page(title, "\n".join([NOTE, *(text for _, text in parts)])))
 
 
 def _section(title: str, table: pd.DataFrame, fits: Sequence[Fit], shown: Mapping[str, Floats]) -> str:
@@ -63,9 +62,8 @@ def _section(title: str, table: pd.DataFrame, fits: Sequence[Fit], shown: Mappin
     rows = pd.concat([table[is_listed], *(_worst(table, prefix) for prefix in MANY)]).to_html(
         index=False, border=0, float_format="{:.3g}".format, na_rep="–"
     )
-    image = base64.b64encode(picture.getvalue()).decode()
     light = light_of(table)["light"]
-    return f'<h2>{title}: {light}</h2>\n<img alt="{title}" src="data:image/png;base64,{image}">\n{rows}'
+    return f"<h2>{title}: {light}</h2>\n{image(picture.getvalue(), '.png', title)}\n{rows}"
 
 
 def _worst(table: pd.DataFrame, prefix: str) -> pd.DataFrame:

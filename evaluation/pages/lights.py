@@ -43,7 +43,7 @@ def section(convergence: pd.DataFrame, folded: bool = False) -> Section:
         )
         for (name, D), own in convergence.groupby(["experiment", "D"], sort=False)
     )
-    return Section("diagnostics", "Diagnostics", text, parts, folded)
+    return Section("diagnostics", "Diagnostics", text, folded, parts)
 
 
 def _pages(convergence: pd.DataFrame) -> Iterator[str]:

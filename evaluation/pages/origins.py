@@ -27,8 +27,8 @@ def settings(config: str, experiments: Mapping[str, Mapping[str, Any]]) -> Secti
         "settings",
         "Settings",
         f"<p>What <code>{escape(config)}</code> says, and the defaults of what it leaves open.</p>",
-        parts,
         folded=True,
+        parts=parts,
     )
 
 

@@ -36,22 +36,10 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Section:
-    """A section of the page.
+class Section(Part):
+    """A section of the page: `body` comes before its `parts`, each of which the table of contents lists."""
 
-    Attributes:
-        anchor: Its name in links, unique on the page.
-        title: Its heading, plain text.
-        body: HTML before the parts.
-        parts: Its pieces, each of which the table of contents lists.
-        folded: As of a part.
-    """
-
-    anchor: str
-    title: str
-    body: str
     parts: tuple[Part, ...] = ()
-    folded: bool = False
 
 
 def page(title: str, sections: Sequence[Section]) -> str:

@@ -136,7 +136,7 @@ def tables(sheets: Mapping[str, Sheet]) -> Section:
         folded = name not in of_paper and (not own or bool(own & shown))
         parts.append(Part(name, sheet.title, _table(name, sheet), folded))
         shown |= own
-    return Section("tables", "Tables", text, tuple(parts))
+    return Section("tables", "Tables", text, parts=tuple(parts))
 
 
 def _table(name: str, sheet: Sheet) -> str:
@@ -162,7 +162,8 @@ def figures(shown: Iterable[ShownFigure], out: Path) -> Section:
         out: The output folder.
     """
     text = "<p>A click on a figure opens its file.</p>"
-    return Section("figures", "Figures", text, tuple(_figure_part(figure, out / figure.path) for figure in shown))
+    parts = tuple(_figure_part(figure, out / figure.path) for figure in shown)
+    return Section("figures", "Figures", text, parts=parts)
 
 
 def _figure_part(figure: ShownFigure, path: Path) -> Part:

@@ -93,6 +93,7 @@ def _tell(options: argparse.Namespace) -> int:
     _say([f"{robot.name.label}; {name}"], told(understood, table, row, METHODS[robot.name.method]))
     if options.no_action:
         return 0
+    from data_collection.image_files import save_gif
     from evaluation.talk.acting import obey, reason_not_to_act
 
     if reason := reason_not_to_act(scenes, robot, scene):
@@ -100,7 +101,8 @@ def _tell(options: argparse.Namespace) -> int:
         return 0
     pictures: list[Picture] = []
     _say(done(obey(scenes, robot, scene, understood, pictures.append)))
-    _write_clip(options.out, pictures)
+    save_gif(options.out, [picture.image for picture in pictures], rate=5.0, hold=2.0)
+    _say([f"{options.out}: the clip"])
     return 0
 
 
@@ -132,13 +134,6 @@ def _asked(options: argparse.Namespace, set_name: SetName) -> tuple[Robot, Scene
         return robot, scenes, SceneName(options.draw, drawn=True)
     number = scenes.numbers(robot, set_name)[0] if options.scene is None else options.scene
     return robot, scenes, SceneName(number)
-
-
-def _write_clip(path: Path, pictures: Sequence[Picture]) -> None:
-    from data_collection.image_files import save_gif
-
-    save_gif(path, [picture.image for picture in pictures], rate=5.0, hold=2.0)
-    _say([f"{path}: the clip"])
 
 
 def _say(*parts: Sequence[str] | Iterator[str]) -> None:

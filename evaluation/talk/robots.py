@@ -84,15 +84,8 @@ def robots_of(results: Path) -> list[RobotName]:
 
 
 def _named(row: Mapping[Any, Any]) -> RobotName:
-    return RobotName(
-        experiment=data_set_name(str(row["experiment"]), int(row["dataset"])),
-        variant=str(row["variant"]),
-        method=str(row["method"]),
-        sampler=str(row["sampler"]),
-        D=int(row["D"]),
-        ROW=int(row["ROW"]),
-        seed=int(row["seed"]),
-    )
+    names = {key: row[key] for key in NAMES}
+    return RobotName(**names | {"experiment": data_set_name(row["experiment"], row["dataset"])})
 
 
 def choose(results: Path, robots: Sequence[RobotName], asked: Mapping[str, str | int | None]) -> RobotName:
@@ -158,8 +151,3 @@ def _data_of(results: Path, name: RobotName) -> str:
         return str(Path(artifacts[name.path]["inputs"]["trials"]["path"]).parts[1])
     except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
         raise TalkError(f"{results / MANIFEST} does not tell what {name.path} was made from ({error!r})") from error
-
-
-def vocabulary(robot: Robot) -> tuple[str, ...]:
-    """The words that a robot has heard, in alphabetical order."""
-    return tuple(sorted(robot.fit.trials.vocabulary))

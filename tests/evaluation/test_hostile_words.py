@@ -14,7 +14,7 @@ from data_collection.limits import is_word
 from evaluation.figures.drawing import save_figure
 from evaluation.figures.fit import word_distributions
 from evaluation.pages.page import table
-from evaluation.pages.ratings import write_page
+from evaluation.ratings import write_page
 from evaluation.scores import write_csv
 from evaluation.table_forms import Grid, Sheet, files
 from model import Fit

@@ -11,7 +11,6 @@ import pandas as pd
 import pytest
 
 from evaluation.__main__ import main
-from evaluation.pages.ratings import write_page
 from evaluation.ratings import (
     FORM_COLUMNS,
     Rating,
@@ -21,6 +20,7 @@ from evaluation.ratings import (
     read_forms,
     read_key,
     write_form,
+    write_page,
 )
 from evaluation.scores import write_csv
 from tests.browser import DOWNLOADED, needs_chromium, use

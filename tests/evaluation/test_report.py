@@ -173,7 +173,7 @@ def test_main_tables_and_first_figures_are_unfolded(tables: dict[str, Sheet], fi
 
 def test_what_is_folded_is_seen_by_its_heading_and_opens_by_its_anchor() -> None:
     parts = (Part("open", "Open", "one"), Part("shut", "Shut", "two", folded=True))
-    text = page("A report", [Section("all", "All", "", parts)])
+    text = page("A report", [Section("all", "All", "", parts=parts)])
     assert re.search(r'<article id="shut">\s*<details><summary><h3>Shut</h3></summary>\s*two\s*</details>', text)
     assert re.search(r'<article id="open">\s*<h3>Open</h3>\s*one\s*</article>', text)
 
@@ -236,7 +236,7 @@ def test_the_rules_of_the_lights_name_each_light_and_the_thresholds(tmp_path: Pa
 
 
 def test_two_pieces_of_one_anchor_are_refused() -> None:
-    twice = Section("tables", "Tables", "", (Part("a", "A", ""), Part("tables", "B", "")))
+    twice = Section("tables", "Tables", "", parts=(Part("a", "A", ""), Part("tables", "B", "")))
     with pytest.raises(ValueError, match=r"stand twice on the page: tables$"):
         page("A report", [twice])
 

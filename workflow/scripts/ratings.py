@@ -8,8 +8,7 @@ from data_collection.seeding import generator
 from data_collection.show import brief
 from evaluation.figures.source import by_log_joint
 from evaluation.generation import read_answers
-from evaluation.pages.ratings import write_page
-from evaluation.ratings import make_key, write_form
+from evaluation.ratings import make_key, write_form, write_page
 from evaluation.scores import write_csv
 from workflow.execution.job import job
 
