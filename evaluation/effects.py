@@ -12,7 +12,7 @@ import pandas as pd
 from data_collection.seeding import generator
 from evaluation.claims.judging import OPEN
 from evaluation.differences import AXES, PAIRS, paired, pairs_of
-from evaluation.measures import MEASURES
+from evaluation.measures import COMPARED
 from evaluation.replicates import bootstrap, units
 from evaluation.scores import UNITS
 
@@ -35,8 +35,6 @@ COLUMNS = [
     "datasets",
     "found",
 ]
-# The measures that are compared: those of the tables that are the better the higher they are.
-COMPARED = tuple(one.name for one in MEASURES if one.in_tables and one.ranks)
 
 
 def effects(scores: pd.DataFrame) -> pd.DataFrame:

@@ -39,21 +39,14 @@ class Learned:
         index = self.fit.trials.index_of
         return {channel: [self._agreement(channel, z) for z in states.z[index(channel)]] for channel in LETTERS}
 
-    def ari(self, channel: str) -> float | None:
-        """ARI of the last state, over all elements."""
-        return self._agreement(channel, self.categories(channel))
+    def ari(self, channel: str, *, summary: bool = False, attended: bool = False) -> float | None:
+        """ARI of the last state or of the point estimate, over all elements or over the attended objects.
 
-    def ari_attended(self, channel: str) -> float | None:
-        """ARI of the last state, over the attended objects."""
-        return self._agreement(channel, self.categories(channel), self.table.attended_row)
-
-    def ari_summary(self, channel: str) -> float | None:
-        """ARI of the point estimate, over all elements; None without a summary."""
-        return self._agreement(channel, self._estimate(channel))
-
-    def ari_attended_summary(self, channel: str) -> float | None:
-        """ARI of the point estimate, over the attended objects; None without a summary."""
-        return self._agreement(channel, self._estimate(channel), self.table.attended_row)
+        None without a summary, and where it is not defined.
+        """
+        states = self.fit.summary if summary else self.fit.state
+        z = None if states is None else states.z[self.fit.trials.index_of(channel)]
+        return self._agreement(channel, z, self.table.attended_row if attended else None)
 
     def ear(self, words: Words) -> float | None:
         """EAR of the last state."""
@@ -85,10 +78,6 @@ class Learned:
     def log_joint_truth(self, words: Words) -> float | None:
         """The mean log joint of the truth; None where it is no state of the method, see `evaluation.truth`."""
         return truth_log_joint(self.fit.problem, self.table, words)
-
-    def _estimate(self, channel: str) -> Ints | None:
-        summary = self.fit.summary
-        return None if summary is None else summary.z[self.fit.trials.index_of(channel)]
 
     def _agreement(self, channel: str, z: Ints | None, rows: Ints | None = None) -> float | None:
         truth = getattr(self.table, f"truth_{channel}")

@@ -91,9 +91,11 @@ def _mean(values: Iterable[float]) -> float | None:
 
 MEASURES = (
     *_by_channel("ARI_{}", Learned.ari),
-    *_by_channel("ARI_{}_attended", Learned.ari_attended, OBJECTS, in_tables=False),
-    *_by_channel("ARI_{}_summary", Learned.ari_summary, in_tables=False),
-    *_by_channel("ARI_{}_attended_summary", Learned.ari_attended_summary, OBJECTS, in_tables=False),
+    *_by_channel("ARI_{}_attended", partial(Learned.ari, attended=True), OBJECTS, in_tables=False),
+    *_by_channel("ARI_{}_summary", partial(Learned.ari, summary=True), in_tables=False),
+    *_by_channel(
+        "ARI_{}_attended_summary", partial(Learned.ari, summary=True, attended=True), OBJECTS, in_tables=False
+    ),
     *(one for channel, x in LETTERS.items() for one in _interval(f"ARI_{x}", _ari_along(channel))),
     Measure("csl", "EAR", Learned.ear),
     Measure("csl", "EAR_mode", Learned.ear_mode, optional=True),
@@ -127,6 +129,9 @@ MEASURES = (
         "words to say)",
     ),
 )
+
+# Those of the tables that are the better the higher they are.
+COMPARED = tuple(one.name for one in MEASURES if one.in_tables and one.ranks)
 
 
 def measured(task: str, subject: object, words: Words) -> dict[str, float | None]:

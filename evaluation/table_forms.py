@@ -6,6 +6,7 @@ import html
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
 import pandas as pd
 
 from evaluation.templates import render, simple_page, wide
@@ -50,6 +51,11 @@ class Sheet:
     def filled(self) -> list[Grid]:
         """The tables that have rows."""
         return [grid for grid in self.grids if len(grid.cells)]
+
+
+def number(value: float, form: str = ".3f") -> str:
+    """A number as people read it; a dash where there is none (NaN)."""
+    return "–" if np.isnan(value) else format(value, form)
 
 
 def files(sheet: Sheet) -> dict[str, str]:

@@ -12,7 +12,7 @@ from evaluation.differences import AXES, differences, readable_differences
 from evaluation.measures import CHANCE, chance_note, ranked, shown
 from evaluation.replicates import several, statistics
 from evaluation.scores import ROW_KEYS, SHARED, in_order, varying
-from evaluation.table_forms import Grid, Sheet
+from evaluation.table_forms import Grid, Sheet, number
 from model import METHODS
 
 DEFINED = "In brackets n, the number of fits that define the measure, where not all do."
@@ -98,18 +98,14 @@ def readable(summary: pd.DataFrame, measures: Sequence[str]) -> pd.DataFrame:
         fits = summary["datasets"] * summary["seeds"]
         result[measure] = [_cell(*values) for values in zip(*cells, fits, strict=True)]
         if measure + CHANCE in summary:
-            result[f"{measure} by chance"] = [_mean(value) for value in summary[measure + CHANCE]]
+            result[f"{measure} by chance"] = [number(value) for value in summary[measure + CHANCE]]
     result["data sets"], result["seeds"] = summary["datasets"], summary["seeds"]
     return result.rename(columns={"ROW": "ROW (%)"})
 
 
-def _mean(mean: float) -> str:
-    return "–" if np.isnan(mean) else f"{mean:.3f}"
-
-
 def _cell(mean: float, sd: float, n: int, fits: int) -> str:
     spread = "" if np.isnan(sd) else f" ± {sd:.3f}"
-    return _mean(mean) + spread + (f" (n = {n})" if 0 < n < fits else "")
+    return number(mean) + spread + (f" (n = {n})" if 0 < n < fits else "")
 
 
 def sheet_of_scores(scores: pd.DataFrame, table: Table) -> Sheet:

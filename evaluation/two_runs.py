@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -14,6 +13,7 @@ from scipy.stats import false_discovery_control, ttest_ind_from_stats
 from evaluation.claims.judging import NOT_RUN
 from evaluation.data_sets import data_set_name
 from evaluation.scores import CONDITION, read_scores
+from evaluation.table_forms import number
 
 CELL = [*(key for key in CONDITION if key != "seed"), "measure"]
 _welch_test = partial(ttest_ind_from_stats, equal_var=False)
@@ -183,12 +183,8 @@ def _place(cell: pd.Series[str]) -> str:
 
 def _line(cell: pd.Series[str]) -> str:
     sides = (
-        f"{_number(cell[f'mean_{name}'], '.3f')} ± {_number(cell[f'sd_{name}'], '.3f')} (n = {cell[f'n_{name}']:.0f})"
+        f"{number(float(cell[f'mean_{name}']))} ± {number(float(cell[f'sd_{name}']))} (n = {cell[f'n_{name}']:.0f})"
         for name in ("results", "reference")
     )
     where = f"{_place(cell)} ROW {cell['ROW']} {cell['method']} {cell['measure']}"
-    return f"  {where}: {' against '.join(sides)}, p = {_number(cell['p'], '.2g')}"
-
-
-def _number(value: str, form: str) -> str:
-    return "–" if math.isnan(float(value)) else format(float(value), form)
+    return f"  {where}: {' against '.join(sides)}, p = {number(float(cell['p']), '.2g')}"

@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from evaluation.measures import MEASURES
+from evaluation.measures import COMPARED
 from evaluation.scores import ROW_KEYS, UNITS, in_order
 
 KEYS = ["experiment", *ROW_KEYS, "measure"]
 COLUMNS = [*KEYS, "mean", "between", "within", "share_between", "datasets", "seeds"]
-# The measures of the tables that are the better the higher they are.
-SPLIT = tuple(one.name for one in MEASURES if one.in_tables and one.ranks)
 
 
 def variance_split(scores: pd.DataFrame) -> pd.DataFrame:
@@ -30,7 +28,7 @@ def variance_split(scores: pd.DataFrame) -> pd.DataFrame:
         data sets in the sum of both variances; NaN where one data set, or one seed, leaves a part unknown, and where
         nothing varies. `seeds` is the mean number of seeds of a data set.
     """
-    known = scores[scores.measure.isin(SPLIT)].dropna(subset=["value"])
+    known = scores[scores.measure.isin(COMPARED)].dropna(subset=["value"])
     by_set = known.groupby([*KEYS, UNITS[0]])["value"].agg(["mean", "var", "count"]).reset_index(level=UNITS[0])
     rows = [
         dict(zip(KEYS, names, strict=True)) | _split(own)
@@ -39,7 +37,7 @@ def variance_split(scores: pd.DataFrame) -> pd.DataFrame:
     ]
     found = pd.DataFrame(rows, columns=COLUMNS)
     experiments, samplers = (scores[key].unique() for key in ("experiment", "sampler"))
-    return in_order(found, KEYS, experiment=experiments, sampler=samplers, measure=SPLIT)
+    return in_order(found, KEYS, experiment=experiments, sampler=samplers, measure=COMPARED)
 
 
 def pooled(split: pd.DataFrame) -> pd.DataFrame:

@@ -142,11 +142,9 @@ def _fields_of_leaves(schema: Any) -> list[str]:
 def _leaves(type_: Any) -> int:
     if isinstance(type_, pa.BaseExtensionType):
         return _leaves(type_.storage_type)
-    if pa.types.is_dictionary(type_):
-        return _leaves(type_.value_type)
     if pa.types.is_map(type_):
         return _leaves(type_.key_type) + _leaves(type_.item_type)
-    if is_list(type_):
+    if is_list(type_) or pa.types.is_dictionary(type_):
         return _leaves(type_.value_type)
     if pa.types.is_struct(type_):
         return sum(_leaves(field_.type) for field_ in type_)

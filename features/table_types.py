@@ -174,19 +174,11 @@ def _converted(values: Any, column: Column) -> Any:
         if rows:
             raise _RowError([f"row {row}: is {values[row].as_py()}; expected text" for row in rows[:MAX_NAMED]])
         return pa.nulls(len(values), expected)
-    if column.kind in ("words", "text"):
-        return _texts(values, expected)
-    inner = values.flatten()
-    inner = inner.dictionary_decode() if pa.types.is_dictionary(inner.type) else inner
-    return _with_values(values, inner.cast(pa.float64()))
-
-
-def _texts(values: Any, expected: Any) -> Any:
     if not is_list(values.type):
         return values.cast(expected)
     inner = values.flatten()
     inner = inner.dictionary_decode() if pa.types.is_dictionary(inner.type) else inner
-    return _with_values(values, inner.cast(pa.string()))
+    return _with_values(values, inner.cast(expected.value_type))
 
 
 def _with_values(lists: Any, values: Any) -> Any:

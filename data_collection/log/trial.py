@@ -12,10 +12,7 @@ from data_collection.log.mcap_log import Log, LogError
 from data_collection.log.messages import CameraInfo, Floats, Image, JointState
 from data_collection.log.numbering import number_of
 from data_collection.log.topics import LogKind
-from data_collection.log.truth import Truth, truth
 from data_collection.log.validation import kind_of, problems, told
-
-__all__ = ["Calibration", "Observation", "Truth", "calibration", "observation", "truth"]
 
 
 @dataclass(frozen=True)

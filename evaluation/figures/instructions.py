@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from evaluation.figures.drawing import page
 from evaluation.figures.source import Source
 from evaluation.generation import answers
-from evaluation.uncertain.scenes import OBJECT_CHANNELS
+from evaluation.uncertain.scenes import scene_of
 from features.table import FeatureTable, read_table
 from model import Fit
 
@@ -89,7 +89,5 @@ def _category_names(fit: Fit, used: np.ndarray, count: int) -> list[str]:
 
 def _object_names(table: FeatureTable, row: int) -> list[str]:
     """The true words of a trial's objects, or their numbers where not a word is known."""
-    own = np.flatnonzero(table.trial_index == row)
-    truths = [getattr(table, f"truth_{channel}") for channel in OBJECT_CHANNELS]
-    names = [[truth[i] for truth in truths if truth is not None and truth[i] is not None] for i in own]
-    return [" ".join(name) or f"object {m}" for m, name in enumerate(names)]
+    words = zip(*scene_of(table, row).truth.values(), strict=True)
+    return [" ".join(filter(None, own)) or f"object {m}" for m, own in enumerate(words)]

@@ -8,7 +8,8 @@ import pandas as pd
 
 from evaluation.claims.judging import OPEN
 from evaluation.differences import letter, signed
-from evaluation.effects import COMPARED, EQUAL, GIVEN, HIGHER, LOWER, effects
+from evaluation.effects import EQUAL, GIVEN, HIGHER, LOWER, effects
+from evaluation.measures import COMPARED
 from evaluation.pages.page import Section
 from evaluation.scores import varying
 from evaluation.table_forms import Grid, fragment

@@ -12,6 +12,7 @@ from evaluation.claims.judging import FAILS, HOLDS, NOT_RUN, OPEN
 from evaluation.convergence import AMBER, GREEN, RED, UNCHECKED
 from evaluation.differences import signed
 from evaluation.scores import write_csv
+from evaluation.table_forms import number
 from evaluation.templates import render, simple_page
 
 LIGHT_COLOR = {RED: "#f9d5cf", AMBER: "#fdf0c8", GREEN: "#d9f0d3", UNCHECKED: "#eeeeee"}
@@ -39,7 +40,7 @@ def _light_color(lights: str) -> str:
 
 
 def _comparison(row: pd.Series[Any]) -> dict[str, Any]:
-    numbers = ["–" if pd.isna(row[name]) else f"{row[name]:.3f}" for name in ("left", "right")]
+    numbers = [number(row[name]) for name in ("left", "right")]
     spans = [signed(row["difference"]), f"{signed(row['low'])} to {signed(row['high'])}"]
     needed = "" if pd.isna(row["needed"]) else f"{row['needed']:.0f}"
     texts = [row["sampler"], row["comparison"], *numbers, *spans, row["datasets"], row["n"], needed]

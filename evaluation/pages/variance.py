@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pandas as pd
 
+from evaluation.measures import COMPARED
 from evaluation.pages.page import Section
 from evaluation.scores import varying
-from evaluation.table_forms import Grid, fragment
+from evaluation.table_forms import Grid, fragment, number
 from evaluation.templates import render, wide
-from evaluation.variance import SPLIT, pooled
+from evaluation.variance import pooled
 from model import METHODS
 
 
@@ -31,7 +31,7 @@ def _cells(found: pd.DataFrame) -> pd.DataFrame:
     numbers = zip(found["between"], found["within"], found["share_between"], strict=True)
     texts = found[keys].assign(measure=found["measure"], text=[_cell(*values) for values in numbers])
     rows = found[keys].drop_duplicates(ignore_index=True)
-    measures = [measure for measure in SPLIT if measure in set(found["measure"])]
+    measures = [measure for measure in COMPARED if measure in set(found["measure"])]
     wide_texts = texts.pivot(index=keys, columns="measure", values="text")[measures]
     shown = rows.join(wide_texts.fillna("–"), on=keys)
     shown["method"] = [METHODS[name].label for name in rows["method"]]
@@ -39,5 +39,4 @@ def _cells(found: pd.DataFrame) -> pd.DataFrame:
 
 
 def _cell(between: float, within: float, share: float) -> str:
-    part = "–" if np.isnan(share) else f"{share:.0%}"
-    return f"{between:.3f} | {within:.3f} ({part})"
+    return f"{between:.3f} | {within:.3f} ({number(share, '.0%')})"

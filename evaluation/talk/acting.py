@@ -10,7 +10,8 @@ from typing import Any
 from data_collection.episode import execute
 from data_collection.log.mcap_log import Log
 from data_collection.log.messages import Image
-from data_collection.log.trial import observation, truth
+from data_collection.log.trial import observation
+from data_collection.log.truth import truth
 from data_collection.outside import Outside
 from data_collection.seeding import generator
 from data_collection.simulation_settings import Simulation
@@ -43,7 +44,7 @@ class Deed:
     Attributes:
         attended: Index of the object that it acted on.
         tutor: The tutor's word for the action; None where nobody saw it.
-        outcome: What physically happened, see `data_collection.log.trial.Truth`.
+        outcome: What physically happened, see `data_collection.log.truth.Truth`.
         described: What the robot says that it did, by channel, in the order in which it says it.
         heard: What the tutor said; of an action that was asked for, the tutor's instruction for the scene.
         log: What was recorded.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 import pandas as pd
@@ -95,7 +96,7 @@ def test_the_page_of_a_study(tmp_path: Path) -> None:
     log.parent.mkdir(parents=True)
     log.write_text(f"took {json.dumps({'start_up': 0.1, 'processor': 7.2, 'wall': 8.0})}\n")
     record = Record("0", 3 * 2**30, "0", "fit", {}, {}, "fit")
-    (tmp_path / "manifest.json").write_text(json.dumps({"artifacts": {"fits/a/1.npz": record.mapping()}}))
+    (tmp_path / "manifest.json").write_text(json.dumps({"artifacts": {"fits/a/1.npz": asdict(record)}}))
     line = [sys.executable, "-m", "benchmarks.scale", "needs", str(tmp_path), "--times", "10"]
     page = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     assert cells(page, "fit") == ["fit", "1", "7.2", "–", "0.002", "10", "0.02"]

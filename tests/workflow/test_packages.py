@@ -109,6 +109,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "evaluation.data_sets",
         "evaluation.differences",
         "evaluation.effects",
+        "evaluation.measures",
         "evaluation.scores",
         "evaluation.table_forms",
         "evaluation.variance",

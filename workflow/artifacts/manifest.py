@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 from pathlib import Path
 
 from data_collection.console import counted
@@ -29,7 +30,7 @@ def write_manifest(out: Path, artifacts: Mapping[str, str], patience: float = 30
         ValueError: An artifact has no record, or its key differs from the planned one.
     """
     records = records_as_planned(out, artifacts, patience)
-    entries = {path: record.mapping() for path, record in records.items()}
+    entries = {path: asdict(record) for path, record in records.items()}
     text = json.dumps({"artifacts": entries}, sort_keys=True, indent=1, ensure_ascii=False)
     write_text(out / MANIFEST, text + "\n")
 

@@ -70,17 +70,13 @@ class Record:
 
     @staticmethod
     def from_mapping(data: Mapping[str, Any]) -> Record:
-        """The record that `mapping` wrote.
+        """The record of plain data, as `asdict` makes them of one.
 
         Raises:
             ValueError, TypeError, KeyError: The data are not a record.
         """
         inputs = {role: Input(**each) for role, each in data["inputs"].items()}
         return Record(**{**data, "inputs": inputs})
-
-    def mapping(self) -> dict[str, Any]:
-        """The record as plain data."""
-        return asdict(self)
 
     def explains_its_key(self) -> bool:
         """Whether the key follows from the rule, wildcards, parameters and inputs."""
@@ -140,7 +136,7 @@ def await_record(out: Path, path: str, patience: float) -> Record | None:
 
 def write_record(out: Path, path: str, record: Record) -> None:
     """Write the record of an artifact."""
-    write_text(record_path(out, path), json.dumps(record.mapping(), sort_keys=True, indent=1) + "\n")
+    write_text(record_path(out, path), json.dumps(asdict(record), sort_keys=True, indent=1) + "\n")
 
 
 def remove(out: Path, path: str) -> None:

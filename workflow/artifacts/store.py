@@ -16,7 +16,7 @@ import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from workflow.artifacts.cache_options import DEFAULT_GIB
@@ -70,7 +70,7 @@ class Store:
         """
         if self.limit == 0 or "written" in self._closed or key in self:
             return self.limit > 0 and key in self
-        listing = {path: record.mapping() for path, record in sorted(records.items())}
+        listing = {path: asdict(record) for path, record in sorted(records.items())}
         text = json.dumps({"outputs": listing, "sha256": hash_of(listing)})
         size = sum(record.size for record in records.values()) + len(text.encode())
         if only_if_room and not self._takes(size):
