@@ -71,7 +71,5 @@ def check_log(path: Path, view: View, settings: Detection, *, need_action: bool)
         raise LogError(f"{path}: {error}") from error
     limits = hashlib.sha256(seen.joint_lower.tobytes() + seen.joint_upper.tobytes()).hexdigest()
     said = seen.trial if "trial" in log.metadata else None
-    if known is None:
-        return CheckedLog(said, seen.words, len(found), limits)
-    truth_words = (known.action_word,), known.place_words, known.object_words, known.color_words
-    return CheckedLog(said, seen.words, len(found), limits, *truth_words)
+    truth_words = known and ((known.action_word,), known.place_words, known.object_words, known.color_words)
+    return CheckedLog(said, seen.words, len(found), limits, *(truth_words or ()))

@@ -98,18 +98,11 @@ def first(percepts: Percepts, D: int) -> Percepts:
     numbers = np.sort(np.concatenate([percepts.trial, percepts.dropped_trial]))
     if not 1 <= D <= len(numbers):
         raise ValueError(f"D is {D}; expected 1 to {len(numbers)}, the number of trials")
-    left = int(np.searchsorted(percepts.trial, numbers[D - 1], side="right"))
-    gone = int(np.searchsorted(percepts.dropped_trial, numbers[D - 1], side="right"))
-    if left == 0:
-        raise ValueError("\n".join([f"none of the first {D} trials is left", *percepts.dropped[:gone]]))
-    N = int(np.searchsorted(percepts.trial_index, left))
-    P = int(np.searchsorted(percepts.pixel_index, N))
-    counts = dict.fromkeys(BY_TRIAL, left) | dict.fromkeys(("dropped", "dropped_trial"), gone)
-    counts |= dict.fromkeys((*BY_OBJECT, "trial_index"), N)
-    counts |= dict.fromkeys(("pixels", "pixel_index"), P)
-    values = {name: value if value is None or name not in counts else value[: counts[name]]
-              for name, value in vars(percepts).items()}  # fmt: skip
-    return Percepts(**values)
+    last = numbers[D - 1]
+    left = _kept(percepts, percepts.trial <= last, percepts.dropped_trial <= last)
+    if not len(left.trial):
+        raise ValueError("\n".join([f"none of the first {D} trials is left", *left.dropped]))
+    return left
 
 
 def only(percepts: Percepts, trial: int) -> Percepts:
@@ -118,18 +111,21 @@ def only(percepts: Percepts, trial: int) -> Percepts:
     Raises:
         ValueError: There is no such trial, or it was dropped.
     """
-    rows = np.flatnonzero(percepts.trial == trial)
-    if not len(rows):
+    own = percepts.trial == trial
+    if not own.any():
         raise ValueError(f"there is no trial {trial}; expected one of {percepts.trial.tolist()}")
-    row = int(rows[0])
-    own = percepts.trial_index == row
-    pixels = own[percepts.pixel_index]
-    kept: dict[str, Any] = dict.fromkeys(BY_TRIAL, np.arange(len(percepts.trial)) == row)
-    kept |= dict.fromkeys(BY_OBJECT, own) | {"pixels": pixels}
+    return _kept(percepts, own, np.zeros(len(percepts.dropped), dtype=bool))
+
+
+def _kept(percepts: Percepts, trials: NDArray[np.bool_], dropped: NDArray[np.bool_]) -> Percepts:
+    """The trials (D,) that are marked, with their objects and pixels, and the marked ones of what was dropped."""
+    objects = trials[percepts.trial_index]
+    pixels = objects[percepts.pixel_index]
+    kept: dict[str, Any] = dict.fromkeys(BY_TRIAL, trials) | dict.fromkeys(BY_OBJECT, objects)
+    kept |= {"pixels": pixels, "dropped": dropped, "dropped_trial": dropped}
     values = {name: _taken(value, kept[name]) if name in kept else value for name, value in vars(percepts).items()}
-    values |= {"trial_index": np.zeros(int(own.sum()), dtype=np.int64), "dropped": ()}
-    values |= {"dropped_trial": np.zeros(0, dtype=np.int64)}
-    values["pixel_index"] = percepts.pixel_index[pixels] - int(np.flatnonzero(own)[0] if own.any() else 0)
+    values["trial_index"] = (np.cumsum(trials) - 1)[percepts.trial_index[objects]]
+    values["pixel_index"] = (np.cumsum(objects) - 1)[percepts.pixel_index[pixels]]
     return Percepts(**values)
 
 

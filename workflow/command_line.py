@@ -89,19 +89,13 @@ def _command(arguments: argparse.Namespace) -> int:
                 raise ValueError(f"--cores {arguments.cores}: must be at least 1")
             refuse_sources(arguments.out)
             store = _store(arguments)
-            with working_at("checking the config, and the files that it names"):
-                study = load_study(arguments.config)  # finds mistakes before anything starts
-            _load_weights(arguments.config, study)
-            _open_logs(arguments.config, study)
+            _checked(arguments.config)
             from workflow.execution.runner import run
 
             how = arguments.cores, arguments.profile, arguments.snakemake
             return run(arguments.config, arguments.out, *how, store)
         case "check":
-            with working_at("checking the config, and the files that it names"):
-                study = load_study(arguments.config)
-            _load_weights(arguments.config, study)
-            _open_logs(arguments.config, study)
+            study = _checked(arguments.config)
             fits = sum(1 for name in study.experiments for _ in study.conditions(name))
             experiments = counted(len(study.first_sets), "experiment")
             _print(f"{arguments.config}: {experiments}, {counted(fits, 'fit')}, no problem found")
@@ -127,6 +121,15 @@ def _command(arguments: argparse.Namespace) -> int:
             count, freed = store.trim(size_in_bytes("--to", arguments.to, "0 to empty the cache"))
             _print(f"{store.folder}: {counted(count, 'job')} removed, {_mib(freed)} freed")
     return 0
+
+
+def _checked(config: Path) -> Study:
+    """The study of a config; mistakes in it, and in the files that it names, are found before anything starts."""
+    with working_at("checking the config, and the files that it names"):
+        study = load_study(config)
+    _load_weights(config, study)
+    _open_logs(config, study)
+    return study
 
 
 def _load_weights(config: Path, study: Study) -> None:

@@ -161,8 +161,9 @@ def _decoded(source: str, raw: Iterable[tuple[int, str, bytes]]) -> Iterator[Mes
     for time, topic, data in raw:
         if BY_TOPIC[topic].once and topic in first:
             earlier, message = first[topic]
-            if data != earlier and not _says_the_same(message, _decode(source, time, topic, data)):
-                stream = " (one picture, not a stream of them)" if BY_TOPIC[topic].value.type == IMAGE else ""
+            is_picture = BY_TOPIC[topic].value.type == IMAGE  # compared by its bytes alone
+            if data != earlier and (is_picture or not same(message.value, _decode(source, time, topic, data).value)):
+                stream = " (one picture, not a stream of them)" if is_picture else ""
                 raise LogError(
                     f"{source}: {topic} at {time} ns comes again with another value than at {message.time} ns, "
                     f"once is expected{stream}"
@@ -172,11 +173,6 @@ def _decoded(source: str, raw: Iterable[tuple[int, str, bytes]]) -> Iterator[Mes
         if BY_TOPIC[topic].once:
             first[topic] = data, message
         yield message
-
-
-def _says_the_same(one: Message, other: Message) -> bool:
-    """Whether two messages on a topic have the same value; pictures are compared by their bytes alone."""
-    return BY_TOPIC[one.topic].value.type != IMAGE and same(one.value, other.value)
 
 
 def _with_whole_joints(messages: list[Message]) -> Iterator[Message]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -16,7 +17,7 @@ from evaluation.figures.drawing import page
 from evaluation.figures.source import Source
 from evaluation.measures import shown
 from evaluation.replicates import bootstrap, several
-from evaluation.scores import UNITS
+from evaluation.scores import UNITS, read_scores
 from model import METHODS
 
 TASKS = ("csl", "description", "generation")
@@ -27,20 +28,15 @@ _COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#56b4e9", "#e
 _LINES: tuple[Literal["-"], Literal[":"]] = ("-", ":")
 
 
-def over_omission(source: Source) -> Figure:
-    """Each measure over ROW, at the largest and the smallest D."""
-    return curves_figure(_scores(source), "ROW")
+def _over(along: str, source: Source) -> Figure:
+    """Each measure over ROW, or D, at the extremes of the other."""
+    scores = read_scores(source.files["scores"])
+    own = (scores["experiment"] == source.names["experiment"]) & (scores["variant"] == source.settings["variant"])
+    return curves_figure(pd.DataFrame(scores[own]), along)
 
 
-def over_trials(source: Source) -> Figure:
-    """Each measure over D, at the smallest and the largest ROW."""
-    return curves_figure(_scores(source), "D")
-
-
-def _scores(source: Source) -> pd.DataFrame:
-    scores = pd.concat([pd.read_csv(path) for path in source.files["scores"]], ignore_index=True)
-    experiment, variant = source.names["experiment"], source.settings["variant"]
-    return pd.DataFrame(scores[(scores["experiment"] == experiment) & (scores["variant"] == variant)])
+over_omission = partial(_over, "ROW")
+over_trials = partial(_over, "D")
 
 
 def curves_figure(scores: pd.DataFrame, along: str) -> Figure:

@@ -20,9 +20,10 @@ def settings(config: str, experiments: Mapping[str, Mapping[str, Any]]) -> Secti
         config: Name of the config file.
         experiments: The settings by experiment, plain data.
     """
-    parts = tuple(
-        Part(f"settings_{name}", name, f"<pre>{escape(_yaml(own))}</pre>") for name, own in experiments.items()
-    )
+    # As YAML that reads like a config: lists and innermost mappings on one line.
+    style: Any = {"sort_keys": False, "allow_unicode": True, "width": 100, "default_flow_style": None}
+    told = {name: str(yaml.safe_dump(dict(own), **style)) for name, own in experiments.items()}
+    parts = tuple(Part(f"settings_{name}", name, f"<pre>{escape(text)}</pre>") for name, text in told.items())
     return Section(
         "settings",
         "Settings",
@@ -30,11 +31,6 @@ def settings(config: str, experiments: Mapping[str, Mapping[str, Any]]) -> Secti
         folded=True,
         parts=parts,
     )
-
-
-def _yaml(content: Mapping[str, Any]) -> str:
-    """Plain data as YAML that reads like a config: lists and innermost mappings on one line."""
-    return str(yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True, width=100, default_flow_style=None))
 
 
 def versions(python: str, packages: Mapping[str, str], hashes: Mapping[str, str]) -> Section:

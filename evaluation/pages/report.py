@@ -76,7 +76,7 @@ def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame, anchors: Collection
         text = str(value) if str(value) else "–"
         if column == "verdict":
             return f'<span class="{MARKS.get(text, "mark")}">{escape(text)}</span>'
-        return _linked(text, anchors) if column == "rests_on" else escape(text)
+        return " ".join(_link(word, anchors) for word in text.split()) if column == "rests_on" else escape(text)
 
     def cell_of_claim(column: str, value: object) -> str:
         shown = cell(column, value)
@@ -91,12 +91,8 @@ def claims(claimed: pd.DataFrame, comparisons: pd.DataFrame, anchors: Collection
     return Section("claims", "Claims of the paper", render("claims_section.html", verdicts=verdicts, **shown))
 
 
-def _linked(text: str, anchors: Collection[str]) -> str:
-    """Names of files as links: to where the page shows them, or to the files."""
-    return " ".join(_link(word, anchors) for word in text.split())
-
-
 def _link(word: str, anchors: Collection[str]) -> str:
+    """The name of a file as a link: to where the page shows it, or to the file."""
     path, _, cell = word.partition("#")
     name = PurePath(path).stem
     if name in anchors:
@@ -145,13 +141,10 @@ def _table(name: str, sheet: Sheet) -> str:
     shown = [wide(fragment(grid, f"{name}.", grid.caption != sheet.title)) for grid in sheet.filled]
     more = "Differences, and how to read this table" if len(shown) > 1 else "How to read this table"
     behind = "\n".join([*shown[1:], f"<p>{escape(sheet.note)}</p>"])
-    files = _files(f"tables/{name}.{form}" for form in ("csv", "md", "tex"))
+    paths = [escape(f"tables/{name}.{form}") for form in ("csv", "md", "tex")]
+    links = ", ".join(f'<a href="{path}">{path}</a>' for path in paths)
+    files = f'<p class="note">Files: {links}</p>'
     return "\n".join([*shown[:1], f"<details><summary>{more}</summary>{behind}</details>", files])
-
-
-def _files(paths: Iterable[str]) -> str:
-    links = (f'<a href="{escape(path)}">{escape(path)}</a>' for path in paths)
-    return f'<p class="note">Files: {", ".join(links)}</p>'
 
 
 def figures(shown: Iterable[ShownFigure], out: Path) -> Section:

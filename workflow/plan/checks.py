@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations
 
 from data_collection.log.numbering import file_of_trial
 from model.methods import METHODS
@@ -51,10 +52,9 @@ def contradictions(name: str, config: StudyConfig) -> Iterator[str]:
         if other < name and other.lower() == name.lower():
             yield f"{where}: differs from experiments.{other} only in capitals, which some disks do not tell apart"
     for key, names in (("variants", sorted(settings.variants)), ("samplers", sorted(settings.samplers))):
-        for i, one in enumerate(names):
-            for other in names[:i]:
-                if other.lower() == one.lower():
-                    yield f"{where}.{key}.{one}: differs from {other} only in capitals"
+        for other, one in combinations(names, 2):
+            if other.lower() == one.lower():
+                yield f"{where}.{key}.{one}: differs from {other} only in capitals"
     words = own.words or experiments[owner].words
     if words is None:
         yield f"{where}: key 'words' is missing (the words by channel: the true channel of each word)"
@@ -63,10 +63,9 @@ def contradictions(name: str, config: StudyConfig) -> Iterator[str]:
         if not any(sampler.takes(METHODS[method]) for sampler in settings.samplers.values()):
             kinds = ", ".join(kind for kind, sampler in SAMPLERS.items() if sampler().takes(METHODS[method]))
             yield f"{where}: no sampler can fit method {method} (add one of kind {kinds})"
-    for i, channel in enumerate(CHANNELS):
-        for other in CHANNELS[i + 1 :]:
-            for word in sorted(set(getattr(words, channel)) & set(getattr(words, other))):
-                yield f"{where}.words: {word!r} is a word of {channel} and of {other} (allowed: one channel per word)"
+    for channel, other in combinations(CHANNELS, 2):
+        for word in sorted(set(getattr(words, channel)) & set(getattr(words, other))):
+            yield f"{where}.words: {word!r} is a word of {channel} and of {other} (allowed: one channel per word)"
     yield from _implausible_counts(where, own)
     yield from _tests_without_effect(where, own)
     yield from _conditions_not_run(where, settings)
@@ -189,14 +188,6 @@ def data_problems(study: Study, name: str, notes: list[str]) -> Iterator[str]:
                 yield from table_problems(study, experiment, set_name, notes)
 
 
-def too_long(study: Study, experiment: Experiment, words: int) -> str:
-    """Say why a sentence of so many words is too long for what is fitted to a data set; empty if it is not."""
-    users = [user for user in study.experiments.values() if user.data == experiment.name]
-    if words <= len(CHANNELS) or not any("proposed" in user.settings.methods for user in users):
-        return ""
-    return f"{words} words, but method proposed explains at most {len(CHANNELS)} (one per channel)"
-
-
 def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
     where = key_path(named_by(experiment, "logs"))
     folder = study.log_folder(experiment.name)
@@ -204,7 +195,7 @@ def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
     if not (folder / "calibration.mcap").is_file():
         yield f"{where}: {folder / 'calibration.mcap'} is not a file (the log of the camera's calibration)"
     count = len(log_folder_trials(folder, "train"))
-    needed = max(D for user in study.experiments.values() if user.data == experiment.name for D in user.settings.D)
+    needed = max(D for user in study.users(experiment.name) for D in user.settings.D)
     if count < needed:
         others = sorted(path.name for path in (folder / "train").glob("*.mcap*"))[count:]
         there = f"; there are also {', '.join(others[:3])}{', …' if len(others) > 3 else ''}" if others else ""

@@ -93,18 +93,16 @@ class _StrictLoader(yaml.SafeLoader):
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen: set[Any] = set()
         for key_node, _ in node.value:
+            problem = None
             if not isinstance(key_node, yaml.ScalarNode) or key_node.tag != "tag:yaml.org,2002:str":
-                raise yaml.constructor.ConstructorError(
-                    None, None, f"key {key_node.value!r:.60} is not text (quote it)", key_node.start_mark
-                )
-            if key_node.value != key_node.value.strip():
-                raise yaml.constructor.ConstructorError(
-                    None, None, f"key {key_node.value!r:.60} has blanks of another kind about it", key_node.start_mark
-                )
-            if key_node.value in seen:
-                raise yaml.constructor.ConstructorError(
-                    None, None, f"key {key_node.value!r:.60} stands twice", key_node.start_mark
-                )
+                problem = "is not text (quote it)"
+            elif key_node.value != key_node.value.strip():
+                problem = "has blanks of another kind about it"
+            elif key_node.value in seen:
+                problem = "stands twice"
+            if problem:
+                told = f"key {key_node.value!r:.60} {problem}"
+                raise yaml.constructor.ConstructorError(None, None, told, key_node.start_mark)
             seen.add(key_node.value)
         return super().construct_mapping(node, deep)
 
@@ -123,9 +121,9 @@ class _StrictLoader(yaml.SafeLoader):
         if problem:
             raise yaml.composer.ComposerError(None, None, problem, event.start_mark)
         node = super().compose_node(parent, index)
-        is_number = isinstance(node, yaml.ScalarNode) and node.tag != "tag:yaml.org,2002:str"
-        if node is not None and is_number and len(node.value) > MAX_NUMBER_LENGTH:
-            raise yaml.composer.ComposerError(None, None, "a number that is too long", node.start_mark)
-        if node is not None and is_number and (told := read_as_else(node.tag, node.value)):
-            raise yaml.composer.ComposerError(None, None, told, node.start_mark)
+        if isinstance(node, yaml.ScalarNode) and node.tag != "tag:yaml.org,2002:str":
+            is_long = len(node.value) > MAX_NUMBER_LENGTH
+            problem = "a number that is too long" if is_long else read_as_else(node.tag, node.value)
+            if problem:
+                raise yaml.composer.ComposerError(None, None, problem, event.start_mark)
         return node

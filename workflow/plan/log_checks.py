@@ -14,10 +14,9 @@ from features.log_check import CheckedLog, check_log, open_calibration
 from features.percepts import wrong_count
 from features.transforms import LEAST_OBJECTS
 from features.view import View
-from workflow.plan.checks import too_long
 from workflow.plan.config_types import CHANNELS
 from workflow.plan.experiment import TASKS, Experiment, log_folder_trials
-from workflow.plan.own_tables import named_by
+from workflow.plan.own_tables import named_by, too_long
 from workflow.plan.problems import key_path
 from workflow.plan.study import Study
 
@@ -91,19 +90,16 @@ def unread_logs(study: Study) -> Iterator[str]:
         if experiment.source == "logs" and experiment.data == experiment.name:
             for set_name in ("train", *TASKS):
                 folder = study.log_folder(experiment.name) / set_name
-                if others := _others(folder, log_folder_trials(folder.parent, set_name)):
+                read = {path.name for path in log_folder_trials(folder.parent, set_name)}
+                if others := sorted({path.name for path in folder.glob("*.mcap*")} - read):
                     shown = ", ".join(others[:3]) + (", …" if len(others) > 3 else "")
                     yield f"{folder}: not read, for their names or a gap before them: {shown}"
 
 
-def _others(folder: Path, read: Iterable[Path]) -> list[str]:
-    return sorted({path.name for path in folder.glob("*.mcap*")} - {path.name for path in read})
-
-
 def _sets(study: Study, experiment: Experiment) -> list[str]:
     """The sets of an experiment's logs that a run perceives."""
-    users = [name for name, user in study.experiments.items() if user.data == experiment.name]
-    return ["train", *(task for task in TASKS if any(study.is_tested(user, task) for user in users))]
+    users = study.users(experiment.name)
+    return ["train", *(task for task in TASKS if any(study.is_tested(user.name, task) for user in users))]
 
 
 def _look(path: Path, view: View, experiment: Experiment, set_name: str, context: str, memory: Memory) -> CheckedLog:
@@ -153,8 +149,8 @@ def _too_few(study: Study, experiment: Experiment, opened: list[_Opened]) -> Ite
     """Numbers of training trials of which too little is left to fit on, since trials are dropped."""
     if experiment.settings.feature_extraction.detection.on_wrong_count == "error":
         return
-    for user in study.experiments.values():
-        for i, D in enumerate(user.settings.D if user.data == experiment.name else ()):
+    for user in study.users(experiment.name):
+        for i, D in enumerate(user.settings.D):
             left = [log for log in opened[:D] if not _wrong(experiment, log)]
             if len(opened) >= D and sum(log.found.objects for log in left) < LEAST_OBJECTS:
                 yield (

@@ -24,6 +24,13 @@ def braces(where: str, path: Path) -> Iterator[str]:
         yield f"{where}: {path} has {{ or }} in it, which Snakemake would fill in (rename the file or its folder)"
 
 
+def too_long(study: Study, experiment: Experiment, words: int) -> str:
+    """Say why a sentence of so many words is too long for what is fitted to a data set; empty if it is not."""
+    if words <= len(CHANNELS) or not any("proposed" in one.settings.methods for one in study.users(experiment.name)):
+        return ""
+    return f"{words} words, but method proposed explains at most {len(CHANNELS)} (one per channel)"
+
+
 def table_problems(study: Study, experiment: Experiment, set_name: str, notes: list[str]) -> Iterator[str]:
     """What is wrong with the feature tables of a set of an experiment; `notes` gets what merely stands out."""
     from features.table import TableError, import_with_notes
@@ -51,9 +58,7 @@ def table_problems(study: Study, experiment: Experiment, set_name: str, notes: l
     if set_name != "train":
         return
     notes += unlikely_units(study, experiment, table, paths)
-    for user in study.experiments.values():
-        if user.data != experiment.name:
-            continue
+    for user in study.users(experiment.name):
         for i, D in enumerate(user.settings.D):
             if D > len(table.trial):
                 yield (
@@ -65,9 +70,6 @@ def table_problems(study: Study, experiment: Experiment, set_name: str, notes: l
                     f"experiments.{user.title}.D[{i}]: none of the first {D} trials of {paths['trials']} says a "
                     "word, so the robot learns none to describe with (description.actions: 0 leaves the task out)"
                 )
-        for row, sentence in enumerate(table.words):
-            if len(sentence) > len(CHANNELS) and "proposed" in user.settings.methods:
-                yield (
-                    f"{where}: {paths['trials']}, trial {table.trial[row]}: {len(sentence)} words, but "
-                    f"method proposed explains at most {len(CHANNELS)} (one per channel)"
-                )
+    for row, sentence in enumerate(table.words):
+        if problem := too_long(study, experiment, len(sentence)):
+            yield f"{where}: {paths['trials']}, trial {table.trial[row]}: {problem}"

@@ -36,6 +36,10 @@ class Study:
         """The names of all data sets of an experiment, the first of which has its name; none of an unknown one."""
         return [name for name, own in self.experiments.items() if own.title == experiment]
 
+    def users(self, experiment: str) -> list[Experiment]:
+        """The data sets that use the data of one, itself included where it has its own."""
+        return [user for user in self.experiments.values() if user.data == experiment]
+
     def conditions(self, experiment: str) -> Iterator[Condition]:
         """Every fit of a data set of an experiment, the reference ALL (`gmm` at ROW 100) included."""
         own = self.experiments[experiment]
@@ -107,8 +111,7 @@ class Study:
             return range(1, 2 if set_name == "train" or getattr(own.features, set_name) else 1)
         if set_name != "train":
             return range(1, own.test_trials(set_name) + 1)
-        users = [other for other in self.experiments.values() if other.data == experiment]
-        needed = own.settings.trials or max(D for user in users for D in user.settings.D)
+        needed = own.settings.trials or max(D for user in self.users(experiment) for D in user.settings.D)
         size = own.settings.trials_per_job
         return range(1, -(-needed // size) * size + 1)
 

@@ -30,7 +30,7 @@ def unlikely_units(study: Study, owner: Experiment, table: Any, paths: Mapping[s
     of this are one category to the model; numbers that spread ten times as much, or lie twenty times as far from 0,
     are further apart than its categories reach.
     """
-    users = [user for user in study.experiments.values() if user.data == owner.name]
+    users = study.users(owner.name)
     for channel, (file, column) in COLUMNS.items():
         values = getattr(table, column)
         spread = float(np.max(values.std(axis=0), initial=0.0))

@@ -127,7 +127,12 @@ rule report:
         ],
         uncertain=[path for name in INSTRUCTED for path in uncertain_files(study.sets(name))],
         figures=[
-            report(figure.path, caption="../report/figure.rst", category="Figures", labels=figure_labels(figure))
+            report(
+                figure.path,
+                caption="../report/figure.rst",
+                category="Figures",
+                labels={"figure": figure.title, "shows": figure.caption},
+            )
             for figure in [told_figure(*names) for names in SHOWN_FIGURES]
         ],
         convergence="convergence.csv",

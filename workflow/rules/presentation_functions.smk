@@ -178,11 +178,6 @@ def told_figure(name, experiment, *names):
     return replace(figure, caption=f"{figure.caption} Data set 1 of {sets}.") if sets > 1 else figure
 
 
-def figure_labels(figure):
-    """How Snakemake's own report lists a figure."""
-    return {"figure": figure.title, "shows": figure.caption}
-
-
 def rated(name):
     """Of each condition whose actions people may rate, all seeds: their names, and where fit, answers and logs are."""
     groups = {}
