@@ -29,8 +29,9 @@ def answers(fit: Fit, table: FeatureTable) -> tuple[Answer, ...]:
 def write_answers(table: FeatureTable, answered: Sequence[Answer], judged: Sequence[str | None], path: Path) -> None:
     """Write a row per instruction: what was asked, what was chosen, and what happened.
 
-    `object_right` is 1 or 0, or between where choices are tied; `action` is the true word of the instruction,
-    `judged` the tutor's word for what the robot did, empty where nothing was executed.
+    `object_right` is 1 or 0, or between where choices are tied (in expectation), empty where the instructed object is
+    not known; `action` is the true word of the instruction, `judged` the tutor's word for what the robot did, empty
+    where nothing was executed.
     """
     rows = [
         {
@@ -38,14 +39,14 @@ def write_answers(table: FeatureTable, answered: Sequence[Answer], judged: Seque
             "instruction": " ".join(table.words[d]),
             "ignored": " ".join(answer.ignored),
             "objects": len(answer.log_scores),
-            "instructed": int(table.attended_object[d]),
+            "instructed": instructed,
             "chosen": " ".join(sorted({str(m) for m, _ in answer.choices()})),
             "category": " ".join(sorted({str(k) for _, k in answer.choices()})),
-            "object_right": _object_right(answer, int(table.attended_object[d])),
+            "object_right": np.mean([m == instructed for m, _ in answer.choices()]) if instructed >= 0 else None,
             "action": table.truth_action[d] if table.truth_action else None,
             "judged": judged[d],
         }
-        for d, answer in enumerate(answered)
+        for d, (answer, instructed) in enumerate(zip(answered, table.attended_object.tolist(), strict=True))
     ]
     write_csv(pd.DataFrame(rows), path)
 
@@ -66,11 +67,6 @@ def write_distributions(table: FeatureTable, answered: Sequence[Answer], path: P
         for m, k in np.ndindex(answer.log_scores.shape)
     ]
     write_csv(pd.DataFrame(rows), path)
-
-
-def _object_right(answer: Answer, instructed: int) -> float | None:
-    """Whether the instructed object was chosen, in expectation over ties; None where it is not known."""
-    return None if instructed < 0 else float(np.mean([m == instructed for m, _ in answer.choices()]))
 
 
 def read_answers(path: Path) -> pd.DataFrame:

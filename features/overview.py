@@ -25,7 +25,6 @@ class Overview:
         attended: int64 (D,), which of them is attended, −1 where unknown.
         crops: uint8 (N, 64, 64, 3) RGB, sorted by group and, inside a group, by nearness to its centre.
         crop_group: int64 (N,), group (0..G−1) of each crop: k-means of the object feature.
-        crop_row: int64 (N,), row of each crop's object in the feature table.
         codebook: uint8 (colors, 3), the colors of the histogram's bins, RGB.
         histograms: float64 (N, colors), sorted by true color word where known.
         histogram_words: True color word of each histogram, or None.
@@ -41,7 +40,6 @@ class Overview:
     attended: NDArray[np.int64]
     crops: NDArray[np.uint8]
     crop_group: NDArray[np.int64]
-    crop_row: NDArray[np.int64]
     codebook: NDArray[np.uint8]
     histograms: Array
     histogram_words: Texts | None
@@ -79,7 +77,6 @@ def overview(percepts: Percepts, transforms: Transforms, table: FeatureTable, gr
         attended=table.attended_object,
         crops=percepts.crop[order],
         crop_group=means.labels_[order].astype(np.int64),
-        crop_row=order,
         codebook=np.rint(transforms.codebook).astype(np.uint8),
         histograms=table.color[by_color],
         histogram_words=_pick(table.truth_color, by_color),

@@ -20,7 +20,6 @@ from features.extraction_settings import Detection, FeatureSettings
 from features.object_feature import FC6_SIZE, fc6
 from features.percept_data import Percepts, join
 from features.position import standing_position
-from features.table import Texts
 from features.threads import one_thread
 from features.view import View, fit_view
 
@@ -133,6 +132,12 @@ def _perceive_trial(
     position = np.stack([standing_position(one.mask, view.camera) for one in found])
     match = _match(position, true)
     attended = _attended(seen, position, match, true)
+    truths: dict[str, Any] = {}
+    if true is not None:
+        said = {"position": true.place_words, "object": true.object_words, "color": true.color_words}
+        for channel, words in said.items():
+            truths[f"truth_{channel}"] = tuple(words[i] if i >= 0 else None for i in match)
+        truths["truth_action"] = (true.action_word or None,)
     return Percepts(
         trial=np.array([seen.trial]),
         attended_object=np.array([attended]),
@@ -150,10 +155,7 @@ def _perceive_trial(
         fc6=np.zeros((len(found), FC6_SIZE), dtype=np.float32),
         pixels=np.concatenate(pixels),
         pixel_index=np.repeat(np.arange(len(found)), [len(part) for part in pixels]),
-        truth_action=None if true is None else (true.action_word or None,),
-        truth_position=_true_words(match, None if true is None else true.place_words),
-        truth_object=_true_words(match, None if true is None else true.object_words),
-        truth_color=_true_words(match, None if true is None else true.color_words),
+        **truths,
     )
 
 
@@ -204,8 +206,3 @@ def _attended(seen: Observation, position: NDArray[np.float64], match: NDArray[n
         return int(np.linalg.norm(position - seen.gaze_target, axis=1).argmin())
     rows = np.flatnonzero(match == true.attended) if true is not None else np.zeros(0)
     return int(rows[0]) if len(rows) else -1
-
-
-def _true_words(match: NDArray[np.int64], words: Texts | None) -> Texts | None:
-    """Return the true word of each detection."""
-    return None if words is None else tuple(words[i] if i >= 0 else None for i in match)

@@ -96,7 +96,8 @@ def _reason(error: Exception) -> str:
 def _load_part(path: Path, columns: Sequence[Column]) -> Read:
     with pq.ParquetFile(path, **FOOTER_LIMITS) as parquet:
         values = _values_per_leaf(parquet.metadata)
-        fields = _fields_of_leaves(parquet.schema_arrow)
+        # The column that each leaf belongs to; paths do not tell `words.x` from a part of it.
+        fields = [field_.name for field_ in parquet.schema_arrow for _ in range(_leaves(field_.type))]
         leaves = [parquet.schema.column(i) for i in range(len(parquet.schema))]
         absent = restored(path, parquet.schema_arrow, columns, parquet.metadata.num_rows)
         usable, problems, notes = fitting(str(path), parquet.schema_arrow, columns, tuple(absent))
@@ -132,11 +133,6 @@ def _groups(path: Path, names: Sequence[str], texts: Sequence[str]) -> Any:
         groups = [parquet.read_row_group(i, list(names), use_threads=False) for i in range(parquet.num_row_groups)]
         table = pa.concat_tables(groups) if groups else pa.Table.from_batches([], parquet.schema_arrow)
     return table.select(list(names))
-
-
-def _fields_of_leaves(schema: Any) -> list[str]:
-    """The column that each leaf of a Parquet file belongs to; paths do not tell `words.x` from a part of it."""
-    return [field_.name for field_ in schema for _ in range(_leaves(field_.type))]
 
 
 def _leaves(type_: Any) -> int:

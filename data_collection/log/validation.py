@@ -72,15 +72,11 @@ def problems(log: Log, kind: LogKind | None = None) -> list[str]:
             f"{log.source}: metadata: trial is {said}, a number from 1 to {MAX_TRIAL:,} is needed {ways}".strip()
         )
     if not any(line.startswith(f"{log.source}: {topics.TRUTH_PREFIX}") for line in found):
-        found += _truth_problems(log)
+        try:
+            truth(log)
+        except LogError as error:
+            found.append(str(error))
     return found
-
-
-def _truth_problems(log: Log) -> Iterator[str]:
-    try:
-        truth(log)
-    except LogError as error:
-        yield str(error)
 
 
 def _size_reasons(log: Log) -> Iterator[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
@@ -99,22 +100,14 @@ def obey(
     table = apply(transforms, scene.percepts)
     told = commands(rng, robot.fit, transforms, table, [understood.answer], scene.percepts.hand)
 
-    def carried_out(watch: Callable[[Sample], None] | None) -> Log:
-        (log,) = execute(
-            simulation,
-            experiment=scenes.data,
-            seed=scenes.seed,
-            commands=told,
-            provenance={},
-            watch=watch,
-        )
-        return log
-
-    if show is None:
-        return _deed(robot, scene, carried_out(None))
-    with Outside(scene.log, WIDTH, HEIGHT) as outside:
-        moves = told[0].target is not None
-        return _deed(robot, scene, carried_out(_watcher(simulation, moves, outside, show)))
+    with ExitStack() as closing:
+        watch = None
+        if show is not None:
+            outside = closing.enter_context(Outside(scene.log, WIDTH, HEIGHT))
+            watch = _watcher(simulation, told[0].target is not None, outside, show)
+        where: Any = {"experiment": scenes.data, "seed": scenes.seed, "provenance": {}}
+        (log,) = execute(simulation, commands=told, watch=watch, **where)
+    return _deed(robot, scene, log)
 
 
 def on_its_own(robot: Robot, scene: Scene) -> Deed:

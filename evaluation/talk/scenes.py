@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -140,13 +139,13 @@ class Scenes:
         raise TalkError(f"{folder}: there are no features")
 
     def _blocks(self, set_name: SetName) -> list[tuple[Path, range]]:
-        """The files of percepts of a set, or of training, each with the numbers of its trials."""
-        return list(self._files(set_name)) or list(self._files("train"))
-
-    def _files(self, part: str) -> Iterator[tuple[Path, range]]:
-        for path in sorted((self.results / "percepts" / self.data).glob(f"{part}_*.npz")):
-            if found := re.fullmatch(r"[a-z]+_(\d+)-(\d+)", path.stem):
-                yield path, range(int(found[1]), int(found[2]) + 1)
+        """The files of percepts of a set, or else of training, each with the numbers of its trials."""
+        for part in (set_name, "train"):
+            paths = sorted((self.results / "percepts" / self.data).glob(f"{part}_*.npz"))
+            named = [(path, re.fullmatch(r"[a-z]+_(\d+)-(\d+)", path.stem)) for path in paths]
+            if found := [(path, range(int(own[1]), int(own[2]) + 1)) for path, own in named if own]:
+                return found
+        return []
 
     def _draw(self, robot: Robot, name: SceneName, set_name: SetName) -> Scene:
         simulation, calibration, transforms = self.simulation, self.calibration, robot.transforms

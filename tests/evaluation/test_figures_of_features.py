@@ -26,7 +26,6 @@ def seen() -> Overview:
         attended=np.array([0, 1, -1]),
         crops=np.arange(4, dtype=np.uint8)[:, None, None, None] * np.ones((1, 64, 64, 3), dtype=np.uint8),
         crop_group=np.array([0, 0, 0, 1]),
-        crop_row=np.arange(4),
         codebook=CODEBOOK,
         histograms=np.array([[1.0, 0, 0], [1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0]]),
         histogram_words=words,

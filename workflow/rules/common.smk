@@ -44,11 +44,6 @@ def sources(*kinds):
     return "|".join(names) or "(?!)"
 
 
-def methods():
-    """The names of all methods that are run; ALL runs by itself."""
-    return sorted({*WORDLESS}.union(*(experiment.settings.methods for experiment in study.experiments.values())))
-
-
 def tracked(script, *modules):
     """The hash of a script with all project code that it imports and of the lock file: a change reruns the rule.
 
@@ -60,7 +55,7 @@ def tracked(script, *modules):
 wildcard_constraints:
     experiment="|".join(map(re.escape, study.experiments)),
     variant=r"[A-Za-z][A-Za-z0-9_-]*",
-    method="|".join(methods()),
+    method="|".join(sorted({*WORDLESS}.union(*(own.settings.methods for own in study.experiments.values())))),
     sampler=r"[A-Za-z][A-Za-z0-9_-]*",
     set="train|generation|description",
     block=r"\d+-\d+",
