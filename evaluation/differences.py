@@ -13,6 +13,7 @@ from scipy.stats import rankdata
 
 from evaluation.replicates import several, units
 from evaluation.scores import ROW_KEYS, UNITS, in_order, varying
+from evaluation.table_forms import by_measure
 from model import METHODS
 from model.data import Floats
 
@@ -112,20 +113,13 @@ def readable_differences(found: pd.DataFrame, measures: Sequence[str], axis: str
     keys = [*ROW_KEYS, "other"]
     most = found["n"].max() if len(found) else 0
     text = [_cell(*values, most) for values in zip(found["mean"], found["sd"], found["n"], found["p"], strict=True)]
-    wide = found[keys].assign(measure=found["measure"], text=text)
-    wide = (
-        wide.pivot(index=keys, columns="measure", values="text")
-        .reindex(columns=list(measures))
-        .astype(object)
-        .fillna("–")
-    )
-    rows = found[keys].drop_duplicates().join(wide, on=keys)
+    rows = by_measure(found, keys, text, measures)
     names = letter if axis == "method" else str
     pairs = zip(rows[axis], rows["other"], strict=True)
     rows["difference"] = [f"{names(side)} − {names(other)}" for side, other in pairs]
     if axis == "sampler":
         rows["method"] = [METHODS[name].label for name in rows["method"]]
-    return rows[[*shown, "difference", *measures]].rename(columns={"ROW": "ROW (%)"}).reset_index(drop=True)
+    return rows[[*shown, "difference", *measures]].rename(columns={"ROW": "ROW (%)"})
 
 
 def _cell(mean: float, sd: float, n: int, p: float, most: int) -> str:

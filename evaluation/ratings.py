@@ -16,7 +16,8 @@ from data_collection.files import write_text
 from evaluation.scores import SEEDS, in_order, write_csv
 from evaluation.templates import render
 
-FORM_COLUMNS = ("clip", "rater", "word", "allowed")
+RATED = ("clip", "rater", "word")
+FORM_COLUMNS = (*RATED, "allowed")
 KEY_COLUMNS = ("clip", *SEEDS, "seed", "trial", "instructed", "judged", "allowed")
 
 
@@ -107,7 +108,7 @@ def read_forms(paths: Sequence[Path], key: pd.DataFrame) -> list[Rating]:
     ratings: dict[tuple[str, str], tuple[str, Rating]] = {}
     for path in paths:
         for where, row in _rows(path, problems):
-            rating = Rating(row["clip"], row["rater"], row["word"])
+            rating = Rating(**row)
             earlier = ratings.get((rating.rater, rating.clip))
             if rating.clip not in allowed:
                 problems.append(f"{where}: clip {rating.clip!r} is unknown (allowed: {_span(list(allowed))})")
@@ -139,17 +140,13 @@ def _rows(path: Path, problems: list[str]) -> Iterator[tuple[str, dict[str, str]
     # Spreadsheets write semicolons where the comma is the decimal sign.
     delimiter = ";" if lines and ";" in lines[0] else ","
     reader = csv.DictReader(lines, delimiter=delimiter)
-    missing = [column for column in ("clip", "rater", "word") if column not in (reader.fieldnames or ())]
+    missing = [column for column in RATED if column not in (reader.fieldnames or ())]
     if missing:
-        problems.append(
-            f"{path}: no form, the columns {', '.join(missing)} are missing (expected: clip, rater, word)"
-        )
+        expected = ", ".join(RATED)
+        problems.append(f"{path}: no form, the columns {', '.join(missing)} are missing (expected: {expected})")
         return
     for row in reader:
-        yield (
-            f"{path}, line {reader.line_num}",
-            {name: (row[name] or "").strip() for name in ("clip", "rater", "word")},
-        )
+        yield f"{path}, line {reader.line_num}", {name: (row[name] or "").strip() for name in RATED}
 
 
 def _span(names: Sequence[str]) -> str:

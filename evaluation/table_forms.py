@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -56,6 +57,20 @@ class Sheet:
 def number(value: float, form: str = ".3f") -> str:
     """A number as people read it; a dash where there is none (NaN)."""
     return "–" if np.isnan(value) else format(value, form)
+
+
+def by_measure(found: pd.DataFrame, keys: list[str], cells: Iterable[Any], names: Iterable[str]) -> pd.DataFrame:
+    """A row for each combination of keys, in the order in which they are found, with a column for each measure.
+
+    Args:
+        found: Rows with the columns `keys` and `measure`.
+        keys: What names a row.
+        cells: What is shown of each row of `found`; a dash stands where there is none.
+        names: The measures, in order.
+    """
+    long = found[keys].assign(measure=found["measure"], cell=list(cells))
+    wide = long.pivot(index=keys, columns="measure", values="cell").reindex(columns=list(names)).astype(object)
+    return found[keys].drop_duplicates(ignore_index=True).join(wide.fillna("–"), on=keys)
 
 
 def files(sheet: Sheet) -> dict[str, str]:

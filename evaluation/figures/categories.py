@@ -69,13 +69,12 @@ def category_crops(fit: Fit, channel: str, crops: NDArray[np.uint8], title: str)
     with page(0.7 + 0.46 * len(rows)) as figure:
         axes = figure.subplots()
         axes.imshow(sheet, interpolation="nearest")
-        axes.spines[:].set_visible(False)
-        axes.tick_params(length=0)
         axes.set_xticks([])
         axes.set_yticks(middles, [category_label(fit, c, i, k) for i, k in enumerate(rows)])
         counts = axes.secondary_yaxis("right")
-        counts.spines[:].set_visible(False)
-        counts.tick_params(length=0)
+        for side in (axes, counts):
+            side.spines[:].set_visible(False)
+            side.tick_params(length=0)
         counts.set_yticks(middles, [f"{len(own)}" for own in rows.values()])
         axes.set_title(
             f"{channel.capitalize()} categories: crops, most typical first, and number of objects\n{title}"

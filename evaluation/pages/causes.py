@@ -12,7 +12,7 @@ from evaluation.effects import EQUAL, GIVEN, HIGHER, LOWER, effects
 from evaluation.measures import COMPARED
 from evaluation.pages.page import Section
 from evaluation.scores import varying
-from evaluation.table_forms import Grid, fragment
+from evaluation.table_forms import Grid, by_measure, fragment
 from evaluation.templates import render, wide
 from model import METHODS
 
@@ -41,20 +41,14 @@ def _table(found: pd.DataFrame, axis: str) -> str:
     keys = ["experiment", "side", "other", "given"]
     measures = [measure for measure in COMPARED if measure in set(own.measure)]
     numbers = zip(own["mean"], own.low, own.high, strict=True)
-    own = own.assign(
-        text=[f"{signed(mean)} ({signed(low)}\u00a0to\u00a0{signed(high)})" for mean, low, high in numbers],
-        bold=own.found.isin([HIGHER, LOWER]),
-    )
-    rows = own[keys].drop_duplicates(ignore_index=True)
-    texts, bold = (
-        rows[keys].join(own.pivot(index=keys, columns="measure", values=values), on=keys)[measures]
-        for values in ("text", "bold")
-    )
+    texts = [f"{signed(mean)} ({signed(low)}\u00a0to\u00a0{signed(high)})" for mean, low, high in numbers]
+    rows = by_measure(own, keys, texts, measures)
+    bold = by_measure(own, keys, own.found.isin([HIGHER, LOWER]), measures)[measures].eq(True)
     given = GIVEN[axis]
     rows["difference"] = [pair(axis, *names) for names in zip(rows.side, rows.other, strict=True)]
     rows[given] = [METHODS[name].label for name in rows.given] if given == "method" else rows.given
-    shown = rows[[*varying(rows, ["experiment"]), "difference", given]].join(texts.fillna("–"))
-    return wide(fragment(Grid("", shown, bold.eq(True)), captioned=False))
+    shown = rows[[*varying(rows, ["experiment"]), "difference", given, *measures]]
+    return wide(fragment(Grid("", shown, bold), captioned=False))
 
 
 def pair(axis: str, side: str, other: str) -> str:

@@ -7,7 +7,7 @@ import pandas as pd
 from evaluation.measures import COMPARED
 from evaluation.pages.page import Section
 from evaluation.scores import varying
-from evaluation.table_forms import Grid, fragment, number
+from evaluation.table_forms import Grid, by_measure, fragment, number
 from evaluation.templates import render, wide
 from evaluation.variance import pooled
 from model import METHODS
@@ -29,13 +29,10 @@ def _cells(found: pd.DataFrame) -> pd.DataFrame:
     """A row for each experiment, sampler and method, a column for each measure: `between | within (share)`."""
     keys = ["experiment", "sampler", "method"]
     numbers = zip(found["between"], found["within"], found["share_between"], strict=True)
-    texts = found[keys].assign(measure=found["measure"], text=[_cell(*values) for values in numbers])
-    rows = found[keys].drop_duplicates(ignore_index=True)
     measures = [measure for measure in COMPARED if measure in set(found["measure"])]
-    wide_texts = texts.pivot(index=keys, columns="measure", values="text")[measures]
-    shown = rows.join(wide_texts.fillna("–"), on=keys)
-    shown["method"] = [METHODS[name].label for name in rows["method"]]
-    return shown[[*varying(rows, keys, "method"), *measures]]
+    shown = by_measure(found, keys, [_cell(*values) for values in numbers], measures)
+    shown["method"] = [METHODS[name].label for name in shown["method"]]
+    return shown[[*varying(found, keys, "method"), *measures]]
 
 
 def _cell(between: float, within: float, share: float) -> str:
