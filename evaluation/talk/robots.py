@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from evaluation.data_sets import FIT_PATH, data_set_name
+from evaluation.data_sets import FitName, data_set_name
 from evaluation.scores import read_scores
 from features.transforms import Transforms, load_transforms
 from model import METHODS, Fit, load
@@ -23,22 +23,8 @@ class TalkError(ValueError):
     """What was asked for cannot be had; the message says what, and what can."""
 
 
-@dataclass(frozen=True)
-class RobotName:
-    """The names of a fit; `experiment` is a data set of one, see `data_set_name`."""
-
-    experiment: str
-    variant: str
-    method: str
-    sampler: str
-    D: int
-    ROW: int
-    seed: int
-
-    @property
-    def path(self) -> str:
-        """Where the fit is, below the folder of results."""
-        return FIT_PATH.format(**vars(self))
+class RobotName(FitName):
+    """The names of a robot's fit."""
 
     @property
     def label(self) -> str:

@@ -57,7 +57,7 @@ class Study:
 
         Where each seed omits words of its own, they are several chains of what the first seed hears.
         """
-        if condition.seeds_share_words:
+        if condition.ROW in (0, 100):  # every seed hears the same words, all or none
             return [one.path for one in self.seeds(condition)]
         first, count = replace(condition, seed=1), self.experiments[condition.experiment].settings.diagnostics.chains
         return [first.chain_path(chain) for chain in range(1, max(count, 1) + 1)]
