@@ -13,7 +13,7 @@ from data_collection.log.truth import truth
 from data_collection.simulation_settings import Simulation
 from data_collection.task import Command
 from evaluation.generation import objects_of
-from features.action import FINGER_RATE, hand_target
+from features.action import FINGER_RATE
 from features.table import FeatureTable
 from features.transforms import Transforms
 from model import Fit
@@ -42,16 +42,16 @@ def commands(
         answered: How the robot understands each instruction.
         rest: (D, 3) where the hand rests in each scene, metres, robot frame.
     """
-    told, scale, height = [], transforms.action_scale, float(transforms.table_height)
+    told = []
     for d, answer in enumerate(answered):
         choices = answer.choices()
         m, k = choices[int(rng.integers(len(choices)))]
         place = objects_of(table, d)["position"][m]
         mean = fit.knowledge.categories.mean[0][k]
-        target = hand_target(scale, mean, place, height)
-        on_table = np.array([*place, height])
+        target = transforms.hand_target(mean, place)
+        on_table = np.array([*place, float(transforms.table_height)])
         stays = bool(np.linalg.norm(target - rest[d]) < np.linalg.norm(target - on_table))
-        rate = float(np.clip(scale.unscale(mean)[FINGER_RATE], 0.0, 1.0))
+        rate = float(np.clip(transforms.action_scale.unscale(mean)[FINGER_RATE], 0.0, 1.0))
         reach = None if stays else (float(target[0]), float(target[1]), float(target[2]))
         gaze = (float(place[0]), float(place[1]))
         told.append(Command(int(table.trial[d]), gaze, reach, 0.0 if stays else rate))

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from data_collection.seeding import generator
-from features.action import Scale, action_names, fit_action_scale, within_limits
+from features.action import Scale, action_names, fit_action_scale, hand_target, within_limits
 from features.arrays import load_arrays, save_arrays
 from features.color import fit_codebook, histogram
 from features.extraction_settings import FeatureSettings
@@ -63,6 +63,10 @@ class Transforms:
     def action_scale(self) -> Scale:
         """The action's scaling and its inverse."""
         return Scale(self.action_lowest, self.action_highest)
+
+    def hand_target(self, action: Array, object_position: Array) -> Array:
+        """Return where an action (…, dim_a) at an object (…, 2) puts the hand: (…, 3), metres, robot frame."""
+        return hand_target(self.action_scale, action, object_position, float(self.table_height))
 
 
 def fit_transforms(percepts: Percepts, settings: FeatureSettings, seed: int, *names: str | int) -> Transforms:

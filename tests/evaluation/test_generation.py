@@ -12,7 +12,6 @@ import pytest
 from evaluation.acting import commands
 from evaluation.generation import answers, objects_of, read_answers, write_answers
 from evaluation.measures import measured
-from features.action import hand_target
 from features.table import FeatureTable
 from features.transforms import Transforms
 from model import Fit
@@ -84,8 +83,7 @@ def test_the_mean_of_a_category_is_that_of_the_parameters_in_use(
         if command.target is not None:
             m, k = answered[d].choices()[0]
             mean, place = fit.knowledge.categories.mean[0][k], objects_of(table, d)["position"][m]
-            reached = hand_target(transforms.action_scale, mean, place, float(transforms.table_height))
-            assert command.target == pytest.approx(reached)
+            assert command.target == pytest.approx(transforms.hand_target(mean, place))
 
 
 def test_a_target_near_the_rest_posture_is_a_look(proposed: Fit, table: FeatureTable, transforms: Transforms) -> None:

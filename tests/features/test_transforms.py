@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from features.action import hand_target
 from features.arrays import ArtifactError
 from features.extraction_settings import FeatureSettings
 from features.overview import overview
@@ -94,8 +93,7 @@ def test_components_keep_the_most_spread(percepts: Percepts) -> None:
 def test_hand_target_leads_back_to_the_logged_hand(percepts: Percepts) -> None:
     transforms = fit_transforms(percepts, SETTINGS, 1)
     table = apply(transforms, percepts)
-    place, height = table.position[table.attended_row], float(transforms.table_height)
-    target = hand_target(transforms.action_scale, table.action, place, height)
+    target = transforms.hand_target(table.action, table.position[table.attended_row])
     np.testing.assert_allclose(target, percepts.hand, atol=1e-12)
 
 
