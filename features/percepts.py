@@ -151,6 +151,7 @@ def _perceive_trial(
         pixels=np.concatenate(pixels),
         pixel_index=np.repeat(np.arange(len(found)), [len(part) for part in pixels]),
         truth_action=None if true is None else (true.action_word or None,),
+        truth_attempts=None if true is None or true.attempts is None else np.array([true.attempts]),
         truth_position=_true_words(match, None if true is None else true.place_words),
         truth_object=_true_words(match, None if true is None else true.object_words),
         truth_color=_true_words(match, None if true is None else true.color_words),

@@ -132,6 +132,7 @@ rule report:
         ],
         convergence="convergence.csv",
         droppable=list(dict(droppable()).values()),
+        tried=[path for _, path in tried()],
     output:
         report("report.html", caption="../report/report.rst", category="Report"),
     log:
@@ -143,6 +144,7 @@ rule report:
         tables=TABLES,
         figures=[told_figure(*names) for names in SHOWN_FIGURES],
         droppable=list(dict(droppable())),
+        tried=[name for name, _ in tried()],
         sources={name: source_in_words(experiment) for name, experiment in study.first_sets.items()},
         settings={name: all_settings(experiment) for name, experiment in study.first_sets.items()},
         python=python_version(),

@@ -214,3 +214,11 @@ def droppable():
             for set_name, Ds in used.items():
                 if Ds:
                     yield f"{name}, {set_name}", f"features/{name}/D{max(Ds)}/{set_name}_trials.parquet"
+
+
+def tried():
+    """Each simulated set of actions to tell about: its experiment, and its feature table at the largest D."""
+    for name, experiment in study.experiments.items():
+        if experiment.data == name and experiment.source == "simulation":
+            if Ds := study.tested_D(name, "description"):
+                yield experiment.title, f"features/{name}/D{max(Ds)}/description_trials.parquet"
