@@ -32,8 +32,8 @@ class Generation(StrictModel):
         12,
         ge=0,
         le=10_000,
-        description="instructions to draw, each with a scene in which one object fits; each word is said equally often, "
-        "± 1; 0 leaves the task out",
+        description="instructions to draw, each with a scene in which one object fits; each word is said equally "
+        "often, ± 1; 0 leaves the task out",
     )
     D: Several[TrialCount] = Field((), description="some of the experiment's D, by default the largest")
     ROW: Several[Percent] = Field((), description="some of the experiment's ROW, by default the smallest")
