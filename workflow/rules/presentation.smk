@@ -26,15 +26,18 @@ rule claims:
         descriptions=tested_files(
             [*study.sets("simulator"), *study.sets("real")], "description", "descriptions/{experiment}_D{D}.csv"
         ),
+        shaded=[path for one in shaded() for path in (*one["fits"], one["trials"], one["objects"])],
     output:
         claims="claims.csv",
         comparisons="claims_comparisons.csv",
+        shades="claims_shades.csv",
         page="claims.html",
     log:
         "joblogs/claims.log",
     group:
         "results"
     params:
+        shaded=list(shaded()),
         code=tracked("claims.py"),
     script:
         "../scripts/claims.py"
