@@ -15,8 +15,9 @@ from evaluation.claims.judging import HOLDS, OPEN
 from tests.workflow.runs import run
 from workflow.artifacts.provenance import ROOT
 from workflow.command_line import main
-from workflow.execution.until_decided import Open, more_sets, open_claims, run_until_decided
+from workflow.execution.until_decided import run_until_decided
 from workflow.plan.config import ConfigError, copied_from, keep_config, read_config
+from workflow.plan.further_sets import Open, more_sets, open_claims
 from workflow.plan.loading import load_study
 
 CLAIMS_CONFIG = ROOT / "config" / "claims.yaml"
