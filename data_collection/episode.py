@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from data_collection import exam, task
-from data_collection.design import target
 from data_collection.joints import JOINT_NAMES, TACTILE_NAMES
 from data_collection.log import topics
 from data_collection.log.mcap_log import Log, Message
@@ -157,8 +156,7 @@ class _Trial:
         Raises:
             ValueError: The tutor does not say it in many attempts.
         """
-        experiment, set_name, trial = self.names
-        due = target(self._simulation, experiment=experiment, set_name=set_name, trial=trial, seed=self.seed)
+        due = exam.target_of(self._simulation, self.names, self.seed)
         for number in range(1, exam.MOST_ATTEMPTS + 1):
             one = replace(self, attempt=number)
             placed, attended = exam.draw_scene_with(one._rng("scene"), self._simulation, due.kind, due.place)

@@ -12,6 +12,12 @@ MOST_ATTEMPTS = 300
 """So often a trial is tried until the tutor says the word that is due."""
 
 
+def target_of(simulation: Simulation, names: tuple[str, str, int], seed: int) -> Target:
+    """Return what a trial of a test set is about; `names` are experiment, set and trial."""
+    experiment, set_name, trial = names
+    return target(simulation, experiment=experiment, set_name=set_name, trial=trial, seed=seed)
+
+
 def draw_instruction(
     simulation: Simulation, names: tuple[str, str, int], seed: int
 ) -> tuple[tuple[Placed, ...], int, str]:
@@ -25,8 +31,7 @@ def draw_instruction(
     Returns:
         The objects, the index of the instructed one, and the action that is asked for.
     """
-    experiment, set_name, trial = names
-    due = target(simulation, experiment=experiment, set_name=set_name, trial=trial, seed=seed)
+    due = target_of(simulation, names, seed)
     rng = generator(seed, "collect", *names, "scene")
     return *draw_choice(rng, simulation, due.kind, due.place), due.action
 
