@@ -9,6 +9,7 @@
 CONFIG ?= config/config.yaml
 OUT ?= results
 CORES ?=
+UNTIL ?=
 PORT ?= 8321
 PROFILE ?= default
 # What people give is one word of the shell each, whatever stands in it: $(value …) keeps make from expanding it.
@@ -36,7 +37,7 @@ SOURCES := data_collection features model evaluation workflow tests benchmarks
 help:
 	@echo "make study [CONFIG=config/config.yaml] [OUT=results] [CORES=n] [CACHE=folder]  run a study"
 	@echo "make study PROFILE=slurm   the same on a cluster; or a folder with a Snakemake profile of one's own"
-	@echo "make claims [OUT=results/claims]   the paper's claims over several data sets (config/claims.yaml)"
+	@echo "make claims [OUT=results/claims] [UNTIL=n]   the paper's claims over several data sets (config/claims.yaml), or as many as decide them, at most n"
 	@echo "make smoke [OUT=results/smoke]   a tiny study through every stage"
 	@echo "make compare [OUT=results]       which results differ from results/reference by more than the seeds explain"
 	@echo "make talk [OUT=results] [PORT=8321]   a page, for this machine alone, on which to tell the robots of a study what to do"
@@ -63,7 +64,7 @@ study: $(READY)
 	@$(RUN) --config $(CONFIG_WORD) --out $(OUT_WORD)
 
 claims: $(READY)
-	@$(RUN) --config config/claims.yaml --out $(call OWN_OUT,claims)
+	@$(RUN) --config config/claims.yaml --out $(call OWN_OUT,claims) $(if $(value UNTIL),--until-decided $(call quoted,$(value UNTIL)))
 
 smoke: $(READY)
 	@$(RUN) --config config/smoke.yaml --out $(call OWN_OUT,smoke)
@@ -144,7 +145,7 @@ reference: study
 	@rm -rf results/reference/tables results/reference/figures
 	@mkdir -p results/reference/figures
 	@cp $(OUT_WORD)/figures/*.png $(OUT_WORD)/figures/*.gif results/reference/figures/
-	@cp -r $(OUT_WORD)/tables $(OUT_WORD)/scores.csv $(OUT_WORD)/claims*.csv results/reference/
+	@cp -r $(OUT_WORD)/tables $(OUT_WORD)/scores.csv $(OUT_WORD)/variance.* $(OUT_WORD)/claims*.csv results/reference/
 
 # The same of the benchmarks, which are to be measured on an idle machine.
 reference-bench: bench

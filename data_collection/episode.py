@@ -3,18 +3,18 @@
 import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from data_collection import task
+from data_collection import exam, task
 from data_collection.joints import JOINT_NAMES, TACTILE_NAMES
 from data_collection.log import topics
 from data_collection.log.mcap_log import Log, Message
 from data_collection.log.messages import Floats, Value
 from data_collection.seeding import generator
-from data_collection.simulation_settings import ACTION, Simulation
+from data_collection.simulation_settings import Simulation
 from data_collection.simulator import scene
 from data_collection.simulator.camera import believed, expose
 from data_collection.simulator.recording import Recording, Sample
@@ -40,14 +40,15 @@ def collect(
     Args:
         simulation: Settings of the experiment.
         experiment: Its name.
-        set_name: `train` or `description` (an action, and the tutor's sentence about it) or `generation` (a
-            scene and an instruction that one object fits; no action).
+        set_name: `train` (an action, and the tutor's sentence about it), `description` (likewise, tried until the
+            tutor says the word that is due) or `generation` (a scene and an instruction that one object fits; no
+            action). What is due in a trial of a test set is told by `design`.
         trials: Numbers from 1.
         seed: Seed of the study.
         provenance: Further metadata of the log, such as hashes of code and lock file.
 
     Raises:
-        ValueError: Unknown set, or trial below 1.
+        ValueError: Unknown set, or trial below 1; or the tutor does not say what is due, whatever is tried.
     """
     if set_name not in SETS:
         raise ValueError(f"set {set_name!r} is none of {', '.join(SETS)}")
@@ -56,7 +57,7 @@ def collect(
     with World(simulation) as world:
         for trial in trials:
             one = _Trial(world, (experiment, set_name, trial), seed, provenance)
-            yield one.instruct() if set_name == "generation" else one.act()
+            yield {"train": one.act, "generation": one.instruct, "description": one.examine}[set_name]()
 
 
 def execute(
@@ -119,48 +120,81 @@ def mark_positions() -> Floats:
 
 @dataclass(frozen=True)
 class _Trial:
-    """One trial in a world: what is drawn in it depends on its names and the seed alone."""
+    """One trial in a world: what is drawn in it depends on its names and the seed alone.
+
+    Attributes:
+        world: Where it takes place.
+        names: Experiment, set and trial.
+        seed: Seed of the study.
+        provenance: Further metadata of the log.
+        attempt: Which attempt it is, from 1; 0 of a trial that is taken as it comes.
+    """
 
     world: World
     names: tuple[str, str, int]
     seed: int
     provenance: Mapping[str, str]
+    attempt: int = 0
 
     @property
     def _simulation(self) -> Simulation:
         return self.world.simulation
 
     def _rng(self, purpose: str) -> np.random.Generator:
-        return generator(self.seed, "collect", *self.names, purpose)
+        path = ("attempt", self.attempt) if self.attempt else ()
+        return generator(self.seed, "collect", *self.names, *path, purpose)
 
     def act(self) -> Log:
         """Act on the robot's own account; the tutor says what happened."""
         placed = task.draw_scene(self._rng("scene"), self._simulation)
         plan = task.draw_plan(self._rng("plan"), self._simulation, len(placed))
-        self.world.set_up(placed, self._rng("light"))
-        target = None
-        if plan.moves:
-            target = self.world.best_grasp(plan.attended) + np.array(plan.offset)
-            target[2] = max(target[2], self.world.lowest_grasp)
-        recording = self._perform(plan.attended, target, plan.finger_rate)
-        action = task.judge(recording.outcome, self._simulation).action
-        words = task.channel_words(self._simulation, action, placed[plan.attended])
-        return self._log(placed, plan.attended, recording, words)
+        return self._told(placed, plan.attended, self._carry_out(placed, plan))
+
+    def examine(self) -> Log:
+        """Act anew until the tutor says what is due in a fair test set.
+
+        Raises:
+            ValueError: The tutor does not say it in many attempts.
+        """
+        due = exam.target_of(self._simulation, self.names, self.seed)
+        for number in range(1, exam.MOST_ATTEMPTS + 1):
+            one = replace(self, attempt=number)
+            placed, attended = exam.draw_scene_with(one._rng("scene"), self._simulation, due.kind, due.place)
+            plan = exam.draw_plan_for(one._rng("plan"), self._simulation, attended, due.action)
+            recording = one._carry_out(placed, plan)
+            if task.judge(recording.outcome, self._simulation).action == due.action:
+                return one._told(placed, attended, recording)
+        raise ValueError(exam.never_said(due, self.names, self._simulation))
 
     def instruct(self) -> Log:
         """Rest; the tutor says what to do."""
-        placed, attended, words = _instruction(self._simulation, self.names, self.seed)
+        placed, attended, action = exam.draw_instruction(self._simulation, self.names, self.seed)
         self.world.set_up(placed, self._rng("light"))
-        action = {word: outcome for outcome, word in self._simulation.actions.items()}[words[ACTION]]
+        words = task.channel_words(self._simulation, action, placed[attended])
         return self._log(placed, attended, self.world.rest(), words, action)
 
     def obey(self, command: task.Command) -> Log:
         """Carry out an action in the scene of an instruction."""
-        placed, _, words = _instruction(self._simulation, self.names, self.seed)
+        placed, asked, action = exam.draw_instruction(self._simulation, self.names, self.seed)
+        words = task.channel_words(self._simulation, action, placed[asked])
         attended = command.nearest(placed)
         self.world.set_up(placed, self._rng("light"))
-        target = None if command.target is None else np.array(command.target, dtype=np.float64)
-        return self._log(placed, attended, self._perform(attended, target, command.finger_rate), words)
+        goal = None if command.target is None else np.array(command.target, dtype=np.float64)
+        return self._log(placed, attended, self._perform(attended, goal, command.finger_rate), words)
+
+    def _carry_out(self, placed: Sequence[task.Placed], plan: task.Plan) -> Recording:
+        """Set a scene up, and do in it what was planned."""
+        self.world.set_up(placed, self._rng("light"))
+        goal = None
+        if plan.moves:
+            goal = self.world.best_grasp(plan.attended) + np.array(plan.offset)
+            goal[2] = max(goal[2], self.world.lowest_grasp)
+        return self._perform(plan.attended, goal, plan.finger_rate)
+
+    def _told(self, placed: Sequence[task.Placed], attended: int, recording: Recording) -> Log:
+        """The log of an action on the robot's own account, with the tutor's words for what happened."""
+        action = task.judge(recording.outcome, self._simulation).action
+        return self._log(placed, attended, recording, task.channel_words(self._simulation, action, placed[attended]))
 
     def _perform(self, attended: int, target: Floats | None, rate: float) -> Recording:
         """Act; the hand is lifted only from an object that it touches."""
@@ -181,6 +215,7 @@ class _Trial:
         if instructed is None:
             judged = task.judge(recording.outcome, simulation)
             truth_outcome = vars(recording.outcome) | vars(judged) | {"word": simulation.actions[judged.action]}
+            truth_outcome |= {"attempts": self.attempt} if self.attempt else {}
         else:
             truth_outcome = {"action": instructed, "word": simulation.actions[instructed]}
         start, end = recording.start, recording.end
@@ -194,22 +229,6 @@ class _Trial:
         ]
         messages.sort(key=lambda message: message.time)
         return Log(_metadata(simulation, self.names, self.seed, self.provenance), tuple(messages))
-
-
-def _instruction(
-    simulation: Simulation, names: tuple[str, str, int], seed: int
-) -> tuple[tuple[task.Placed, ...], int, dict[str, str]]:
-    """Return scene, index of the instructed object, and words; over consecutive trials every word takes its turn."""
-    experiment, set_name, trial = names
-    order = generator(seed, "collect", experiment, set_name, "order")
-    kinds, places, actions = simulation.kinds(), list(simulation.places), list(simulation.actions)
-    turns = [order.permutation(len(items)) for items in (kinds, places, actions)]
-    kind = kinds[int(turns[0][(trial - 1) % len(kinds)])]
-    place = places[int(turns[1][(trial - 1) % len(places)])]
-    # Shifted by one each round, so that a place does not always come with the same action.
-    action = actions[int(turns[2][(trial - 1 + (trial - 1) // len(actions)) % len(actions)])]
-    placed, attended = task.draw_instruction(generator(seed, "collect", *names, "scene"), simulation, kind, place)
-    return placed, attended, task.channel_words(simulation, action, placed[attended])
 
 
 def _metadata(

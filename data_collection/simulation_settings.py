@@ -117,6 +117,12 @@ class Simulation(StrictModel):
             for color in self.colors
         )
 
+    def shades_by_words(self) -> list[tuple[str, str, int]]:
+        """Return object word, color word and shade of the objects, where the words tell the shade."""
+        told = {(kind.object, kind.color, kind.shade) for kind in self.kinds()}
+        words = [(what, color) for what, color, _ in told]
+        return sorted(one for one in told if words.count(one[:2]) == 1)
+
     def check_words(self, words: Mapping[str, Sequence[str]]) -> list[str]:
         """Return every disagreement with the words of the experiment, `{action, position, object, color}`."""
         said = {

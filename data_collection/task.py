@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from data_collection.apparatus import ObjectKind, Tutor
+from data_collection.apparatus import Motion, ObjectKind, Tutor
 from data_collection.shapes import build
 from data_collection.simulation_settings import ACTION, COLOR, OBJECT, POSITION, Simulation
 
@@ -133,40 +133,20 @@ def arrange(
     raise ValueError(f"simulation.places: no room for {len(kinds)} objects at {list(places)} without contact")
 
 
-def draw_instruction(
-    rng: np.random.Generator, simulation: Simulation, target: ObjectKind, place: str
-) -> tuple[tuple[Placed, ...], int]:
-    """Draw a scene of two or three objects of which one is `target` at `place`; return it and the target's index.
-
-    At least one other object shares the target's word of the color or of the object channel where the experiment has
-    such objects; none shares both, so exactly one fits.
-    """
-    others = [kind for kind in simulation.kinds() if (kind.object, kind.color) != (target.object, target.color)]
-    similar = [kind for kind in others if kind.color == target.color or kind.object == target.object]
-    count = min(int(rng.integers(2, 4)), len(others) + 1, len(simulation.places))
-    pool = similar or others
-    kinds = [target]
-    if count > 1:
-        kinds.append(pool[int(rng.integers(len(pool)))])
-    rest = [kind for kind in others if kind not in kinds]
-    kinds += [rest[index] for index in rng.permutation(len(rest))[: count - len(kinds)]]
-    free = [name for name in simulation.places if name != place]
-    places = [place, *(str(name) for name in rng.permutation(free)[: count - 1])]
-    scene = arrange(rng, simulation, kinds, places)
-    order = [int(index) for index in rng.permutation(count)]
-    return tuple(scene[index] for index in order), order.index(0)
-
-
 def draw_plan(rng: np.random.Generator, simulation: Simulation, objects: int) -> Plan:
     """Draw which object is attended, whether the hand moves, where to, and how far the fingers bend."""
-    motion = simulation.motion
     attended = int(rng.integers(objects))
-    moves = bool(rng.random() >= motion.look_share)
-    x, y, z = rng.normal(size=3)
-    height = max(motion.height_mean + motion.height_spread * z, motion.height_least)
-    offset = (float(motion.target_spread * x), float(motion.target_spread * y), float(height))
+    moves = bool(rng.random() >= simulation.motion.look_share)
+    offset = draw_offset(rng, simulation.motion)
     rate = float(rng.random())
     return Plan(attended, moves, offset if moves else (0.0, 0.0, 0.0), rate if moves else 0.0)
+
+
+def draw_offset(rng: np.random.Generator, motion: Motion) -> tuple[float, float, float]:
+    """Draw the hand's target relative to the best grasp, metres."""
+    x, y, z = rng.normal(size=3)
+    height = max(motion.height_mean + motion.height_spread * z, motion.height_least)
+    return float(motion.target_spread * x), float(motion.target_spread * y), float(height)
 
 
 @dataclass(frozen=True)

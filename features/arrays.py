@@ -30,8 +30,10 @@ def save_arrays(path: Path, kind: str, arrays: Mapping[str, NDArray[Any]]) -> No
     write_arrays(path, {"kind": np.array(kind), **arrays})
 
 
-def load_arrays(path: Path, kind: str, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
-    """Read the arrays `names` that `save_arrays` has written as `kind`.
+def load_arrays(
+    path: Path, kind: str, names: tuple[str, ...], optional: tuple[str, ...] = ()
+) -> dict[str, NDArray[Any]]:
+    """Read the arrays `names`, and those of `optional` that are there, that `save_arrays` has written as `kind`.
 
     Raises:
         ArtifactError: The file is missing, damaged, of another kind, or holds other arrays.
@@ -42,9 +44,10 @@ def load_arrays(path: Path, kind: str, names: tuple[str, ...]) -> dict[str, NDAr
         _refuse_bombs(path)
         with np.load(path, allow_pickle=False) as stored:
             found = str(stored["kind"]) if "kind" in stored.files else ""
-            different = sorted({"kind", *names} ^ set(stored.files))
+            wanted = [*names, *(name for name in optional if name in stored.files)]
+            different = sorted({"kind", *wanted} ^ set(stored.files))
             # What is something else is not unpacked.
-            arrays = {name: stored[name] for name in names} if found == kind and not different else {}
+            arrays = {name: stored[name] for name in wanted} if found == kind and not different else {}
         if bare := [name for name, array in arrays.items() if not isinstance(array, np.ndarray)]:
             raise ValueError(f"{', '.join(bare)} hold no array")  # NumPy gives their bytes
     except Exception as error:  # damaged bytes surface as zip, zlib, memory, syntax, … errors

@@ -24,9 +24,11 @@ BY_TRIAL = (
     "joints",
     "touch",
     "truth_action",
+    "truth_attempts",
 )
 BY_OBJECT = ("position", "box", "crop", "mask", "fc6", "truth_position", "truth_object", "truth_color")
 SHARED = ("joint_names", "joint_lower", "joint_upper", "table_height")
+OPTIONAL = ("truth_attempts",)  # what only some files have
 TRUTH = ("truth_action", "truth_position", "truth_object", "truth_color")
 
 
@@ -59,6 +61,8 @@ class Percepts:
         dropped_trial: int64, the numbers of the dropped trials, in the same order.
         truth_action: D words or None, for evaluation only.
         truth_position, truth_object, truth_color: The same, N words.
+        truth_attempts: int64 (D,), how often a trial of a fair test set was tried, 0 where unknown; None where it is
+            known of no trial.
     """
 
     trial: NDArray[np.int64]
@@ -87,6 +91,7 @@ class Percepts:
     truth_position: Texts | None = None
     truth_object: Texts | None = None
     truth_color: Texts | None = None
+    truth_attempts: NDArray[np.int64] | None = None
 
 
 def first(percepts: Percepts, D: int) -> Percepts:
@@ -171,11 +176,15 @@ def _numbers(part: Percepts) -> NDArray[np.int64]:
 def _chain(name: str, parts: Sequence[Percepts]) -> Any:
     """Concatenate one field; truth is None when no part has it."""
     values = [getattr(part, name) for part in parts]
-    if isinstance(values[0], np.ndarray):
-        return np.concatenate(values)
     if all(value is None for value in values):
         return None
     counts = [len(part.trial if name in BY_TRIAL else part.box) for part in parts]
+    if any(isinstance(value, np.ndarray) for value in values):
+        padded = [
+            np.zeros(count, dtype=np.int64) if value is None else value
+            for value, count in zip(values, counts, strict=True)
+        ]
+        return np.concatenate(padded)
     padded = [(None,) * count if value is None else value for value, count in zip(values, counts, strict=True)]
     return tuple(item for value in padded for item in value)
 
@@ -188,7 +197,7 @@ def _shifted(indices: Sequence[NDArray[np.int64]], counts: Sequence[int]) -> NDA
 
 def save_percepts(path: Path, percepts: Percepts) -> None:
     """Write percepts as npz; the same percepts give the same bytes."""
-    arrays = dict(vars(percepts))
+    arrays = {name: value for name, value in vars(percepts).items() if name not in OPTIONAL or value is not None}
     arrays["words"] = np.array([json.dumps(sentence, ensure_ascii=False) for sentence in percepts.words])
     for name in ("joint_names", "dropped"):
         arrays[name] = np.array(arrays[name], dtype=np.str_)
@@ -203,7 +212,8 @@ def load_percepts(path: Path) -> Percepts:
     Raises:
         ArtifactError: The file is missing, damaged or something else.
     """
-    arrays: dict[str, Any] = load_arrays(path, "percepts", tuple(item.name for item in fields(Percepts)))
+    names = tuple(item.name for item in fields(Percepts) if item.name not in OPTIONAL)
+    arrays: dict[str, Any] = load_arrays(path, "percepts", names, OPTIONAL)
     try:
         arrays["words"] = tuple(tuple(json.loads(str(sentence))) for sentence in arrays["words"])
         for name in ("joint_names", "dropped"):

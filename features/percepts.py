@@ -156,6 +156,7 @@ def _perceive_trial(
         pixels=np.concatenate(pixels),
         pixel_index=np.repeat(np.arange(len(found)), [len(part) for part in pixels]),
         **truths,
+        truth_attempts=None if true is None or true.attempts is None else np.array([true.attempts]),
     )
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -173,15 +172,19 @@ def apply(transforms: Transforms, percepts: Percepts) -> FeatureTable:
     )
 
 
-def table_metadata(transforms: Transforms, dropped: Sequence[str] = ()) -> dict[str, str]:
+def table_metadata(transforms: Transforms, percepts: Percepts) -> dict[str, str]:
     """Return the metadata of the Parquet files: the action's names and scaling, and the provenance.
+
+    Beside these, why trials of the set are missing, and how often each trial of a fair test set was tried.
 
     Args:
         transforms: The transforms that the table was made with.
-        dropped: Why trials of the set are missing (`Percepts.dropped`).
+        percepts: Of the trials of the table.
     """
-    gone = {"dropped": json.dumps(list(dropped), ensure_ascii=False)} if dropped else {}
-    return gone | {
+    dropped, attempts = percepts.dropped, percepts.truth_attempts
+    special = {"dropped": json.dumps(list(dropped), ensure_ascii=False)} if dropped else {}
+    special |= {} if attempts is None else {"attempts": json.dumps(attempts.tolist())}
+    return special | {
         "action_names": json.dumps(transforms.action_names),
         "action_lowest": json.dumps(transforms.action_lowest.tolist()),
         "action_highest": json.dumps(transforms.action_highest.tolist()),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -74,6 +75,13 @@ def _parser() -> argparse.ArgumentParser:
         default="default",
         help="default, slurm, or a folder with a Snakemake profile (default: %(default)s)",
     )
+    run.add_argument(
+        "--until-decided",
+        type=int,
+        metavar="N",
+        help="simulate further data sets until every claim of the paper is decided, or an experiment has N "
+        "(default: those of the config)",
+    )
     run.add_argument("snakemake", nargs="*", help="further arguments for Snakemake, after -- (default: none)")
     explain.add_argument("path", type=Path, help="an artifact, for instance results/scores.csv")
     clean.add_argument(
@@ -90,6 +98,8 @@ def _command(arguments: argparse.Namespace) -> int:
             refuse_sources(arguments.out)
             store = _store(arguments)
             _checked(arguments.config)
+            if arguments.until_decided is not None:
+                return _run_until_decided(arguments)
             from workflow.execution.runner import run
 
             how = arguments.cores, arguments.profile, arguments.snakemake
@@ -130,6 +140,31 @@ def _checked(config: Path) -> Study:
     _load_weights(config, study)
     _open_logs(config, study)
     return study
+
+
+def _run_until_decided(arguments: argparse.Namespace) -> int:
+    """Run a study with more and more data sets, each round in a process of its own.
+
+    Raises:
+        ValueError: There are further arguments for Snakemake, which could keep the claims from being made.
+    """
+    from workflow.execution.until_decided import run_until_decided
+
+    if arguments.snakemake:
+        raise ValueError(
+            f"--until-decided: takes no further arguments for Snakemake ({' '.join(arguments.snakemake)})"
+        )
+    own = Path(arguments.profile)
+    options = ["--out", str(arguments.out.absolute())]
+    options += ["--profile", str(own.absolute()) if own.is_dir() else arguments.profile]
+    options += ["--cores", str(arguments.cores)] if arguments.cores is not None else []
+    options += ["--cache", str(arguments.cache.absolute())] if arguments.cache is not None else []
+
+    def run_round(config: Path, targets: Sequence[str]) -> int:
+        line = [sys.executable, "-m", "workflow", "run", "--config", str(config), *options]
+        return subprocess.run([*line, *(["--", *targets] if targets else [])], cwd=ROOT, check=False).returncode
+
+    return run_until_decided(arguments.config, arguments.out, arguments.until_decided, run_round)
 
 
 def _load_weights(config: Path, study: Study) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from data_collection.limits import WORD_RULE, is_word, normal
+from data_collection.limits import MAX_TRIAL, WORD_RULE, is_word, normal
 from data_collection.log import topics
 from data_collection.log.mcap_log import Log, LogError
 from data_collection.log.messages import Floats
@@ -27,6 +27,8 @@ class Truth:
         action_word: Word for what happened, or what the instruction demands.
         outcome: What physically happened: `action`, `contact`, `held`, `rise`, `hand_error`, `toppled`;
             in an instruction only `action` and `word`.
+        attempts: How often the trial was tried until the tutor said the word that was due in a fair test set; None
+            where a trial is taken as it comes.
     """
 
     object_words: tuple[str, ...]
@@ -36,6 +38,7 @@ class Truth:
     attended: int
     action_word: str
     outcome: Mapping[str, Any]
+    attempts: int | None = None
 
 
 def truth(log: Log) -> Truth | None:
@@ -62,11 +65,14 @@ def truth(log: Log) -> Truth | None:
             attended=operator.index(known["attended"]),
             action_word=_word(happened["word"]),
             outcome=happened,
+            attempts=operator.index(happened["attempts"]) if "attempts" in happened else None,
         )
         if not np.isfinite(result.positions).all():
             raise ValueError("a position is not finite")
         if not 0 <= result.attended < len(objects):
             raise ValueError(f"attended is {result.attended}, there are {len(objects)} objects")
+        if result.attempts is not None and not 1 <= result.attempts <= MAX_TRIAL:
+            raise ValueError(f"attempts is {result.attempts}, from 1 to {MAX_TRIAL:,} are expected")
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise LogError(
             f"{log.source}: {topics.TRUTH_SCENE} or {topics.TRUTH_OUTCOME} is not as documented "

@@ -27,7 +27,8 @@ class Cell:
         D: Number of trials.
         ROW: Rate of omitted words in per cent.
         method: The method.
-        measure: A measure of `scores.csv`, or of `verdicts.description_scores`.
+        measure: A measure of `scores.csv`, of `verdicts.description_scores`, or `terms.SHADES_APART`.
+        variant: The variant of its hyperparameters.
     """
 
     experiment: str
@@ -35,9 +36,11 @@ class Cell:
     ROW: int
     method: str
     measure: str
+    variant: str = "default"
 
     def __str__(self) -> str:
-        return f"{self.measure}({letter(self.method)}, D {self.D}, ROW {self.ROW})"
+        other = "" if self.variant == "default" else f", {self.variant}"
+        return f"{self.measure}({letter(self.method)}, D {self.D}, ROW {self.ROW}{other})"
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import pandas as pd
 from evaluation.claims.judging import NOT_RUN
 from evaluation.claims.paper import CLAIMS
 from evaluation.claims.terms import Claim
-from evaluation.claims.verdicts import SAMPLER, VARIANT
+from evaluation.claims.verdicts import SAMPLER
 from evaluation.convergence import counted
 
 
@@ -20,8 +20,8 @@ def with_lights(claims: pd.DataFrame, convergence: pd.DataFrame) -> pd.DataFrame
         claims: The rows of `claims.csv`, without that column.
         convergence: The lights of the study's conditions.
     """
-    own = convergence[(convergence["variant"] == VARIANT) & (convergence["sampler"] == SAMPLER)]
-    light = own.groupby(["experiment", "D", "ROW", "method"])["light"].agg(list).to_dict()
+    own = convergence[convergence["sampler"] == SAMPLER]
+    light = own.groupby(["experiment", "variant", "D", "ROW", "method"])["light"].agg(list).to_dict()
     told = {
         claim.number: counted([each for one in _conditions(claim) for each in light.get(one, ())]) for claim in CLAIMS
     }
@@ -35,6 +35,6 @@ def with_lights(claims: pd.DataFrame, convergence: pd.DataFrame) -> pd.DataFrame
     return result
 
 
-def _conditions(claim: Claim) -> set[tuple[str, int, int, str]]:
+def _conditions(claim: Claim) -> set[tuple[str, str, int, int, str]]:
     cells = {cell for comparison in claim.comparisons for cell in comparison.cells}
-    return {(cell.experiment, cell.D, cell.ROW, cell.method) for cell in cells}
+    return {(cell.experiment, cell.variant, cell.D, cell.ROW, cell.method) for cell in cells}

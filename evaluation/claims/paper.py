@@ -9,6 +9,7 @@ from evaluation.claims.judging import Comparison, Sum
 from evaluation.claims.terms import (
     ACTION_WORDS,
     ARI,
+    FIGURE_8,
     ONE,
     OTHER_WORLD,
     A,
@@ -182,5 +183,14 @@ CLAIMS = (
             *(REAL_Ds, ("action", "object"), ("position", "color")),
         ),
         note=OTHER_WORLD,
+    ),
+    Claim(
+        22,
+        "In the fit of Figure 8 the two shades of green are categories of their own, and each says “green”",
+        (Comparison(Sum(((1.0, FIGURE_8),)), "=", ONE),),
+        paper="so in its one fit",
+        note=f"{OTHER_WORLD} Of each data set the fit that the figure shows: A, K = 5, D 25, ROW 9, the seed with "
+        "the highest log joint. A shade is a category of its own if most of its objects are in one, and most of "
+        "those in it are of the shade.",
     ),
 )

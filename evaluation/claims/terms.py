@@ -16,6 +16,10 @@ ARI = tuple(f"ARI_{letter}" for letter in LETTERS.values())
 ONE = Sum(constant=1.0)
 ACTION_WORDS = ("reach", "touch", "grasp", "look-at")
 IS = " is "
+# The fit of the paper's Figure 8, which has fewer categories, and the color of which it shows two shades.
+SHADED_WORD = "green"
+SHADES_APART = f"shades of {SHADED_WORD} apart"
+FIGURE_8 = Cell("real", 25, 9, A, SHADES_APART, "few")
 OTHER_WORLD = "Another world than the paper's robot: the simulated iCub under harder conditions."
 
 

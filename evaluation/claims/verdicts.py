@@ -13,7 +13,7 @@ from data_collection.seeding import generator
 from evaluation.catalogue import cell_name, paper_table_with
 from evaluation.claims.judging import FAILS, HOLDS, NOT_RUN, OPEN, Cell, combine, judge
 from evaluation.claims.paper import CLAIMS
-from evaluation.claims.terms import ACTION_WORDS, IS, Claim, confused
+from evaluation.claims.terms import ACTION_WORDS, IS, SHADES_APART, Claim, confused
 from evaluation.differences import signed
 from evaluation.measures import MEASURES
 from evaluation.metrics import confusion
@@ -23,7 +23,7 @@ from evaluation.scores import COLUMNS, CONDITION, UNITS
 VARIANT, SAMPLER = "default", "published"
 # Beyond so many data sets a number is no plan.
 MOST_SETS = 1000
-CELL = ["experiment", "D", "ROW", "method", "measure"]
+CELL = ["experiment", "D", "ROW", "method", "measure", "variant"]
 CLAIM_COLUMNS = ["claim", "text", "experiment", "paper", "ours", "verdict", "datasets", "needed"]
 CLAIM_COLUMNS += ["other_samplers", "rests_on", "note"]
 COMPARISON_COLUMNS = [
@@ -57,12 +57,15 @@ def description_scores(descriptions: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def judge_claims(scores: pd.DataFrame, descriptions: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+def judge_claims(
+    scores: pd.DataFrame, descriptions: pd.DataFrame, shown: pd.DataFrame | None = None
+) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Decide every claim from a study's results, by the rules of `judging.judge` and `judging.combine`.
 
     Args:
         scores: All rows of `scores.csv`.
         descriptions: What `description.read_descriptions` gives for both experiments.
+        shown: What was measured of the fits that figures show, in the form of scores; of any variant.
 
     Returns:
         The claims (`CLAIM_COLUMNS`) and their comparisons (`COMPARISON_COLUMNS`). `left` and `right` are the two
@@ -73,7 +76,8 @@ def judge_claims(scores: pd.DataFrame, descriptions: pd.DataFrame) -> tuple[pd.D
     """
     scores, descriptions = (rows[rows["variant"] == VARIANT] for rows in (scores, descriptions))
     used, told = scores, description_scores(descriptions)
-    used = (pd.concat([used, told]) if len(told) else used).dropna(subset=["value"])
+    used = pd.concat([used, *(more for more in (told, shown) if more is not None and len(more))])
+    used = used.dropna(subset=["value"])
     samplers = list(dict.fromkeys([SAMPLER, *scores["sampler"]]))
     cells: dict[tuple[object, ...], pd.Series[float]] = {
         tuple(names): group for names, group in used.set_index(UNITS).groupby(["sampler", *CELL])["value"]
@@ -107,13 +111,15 @@ def values_of(cell: Cell, sampler: str, cells: Mapping[tuple[object, ...], pd.Se
 
 def link(cell: Cell, sampler: str) -> str:
     """Where a cell of a sampler's fits is shown, from the output folder: in a page of a table, or a file."""
+    if cell.measure == SHADES_APART:
+        return "claims_shades.csv"
     if cell.measure.startswith("used_"):
         return "scores.csv"
     task = {measure.name: measure.task for measure in MEASURES}.get(cell.measure, "")
     table = paper_table_with(cell.experiment, task, cell.D)
     if table is None:
         return f"descriptions/{cell.experiment}_D{cell.D}.csv"
-    return f"tables/{table}.html#{cell_name({'variant': VARIANT, 'sampler': sampler, **asdict(cell)}, cell.measure)}"
+    return f"tables/{table}.html#{cell_name({'sampler': sampler, **asdict(cell)}, cell.measure)}"
 
 
 def _claim_row(claim: Claim, by_sampler: Mapping[str, pd.DataFrame]) -> dict[str, object]:

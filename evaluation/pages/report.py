@@ -25,7 +25,11 @@ MARKS = {"holds": "mark yes", "does not hold": "mark no"}
 
 
 def about(
-    config: str, origins: Mapping[str, str], scores: pd.DataFrame, dropped: Mapping[str, Sequence[str]] | None = None
+    config: str,
+    origins: Mapping[str, str],
+    scores: pd.DataFrame,
+    dropped: Mapping[str, Sequence[str]] | None = None,
+    attempts: Mapping[str, Sequence[int]] | None = None,
 ) -> Section:
     """What the study is, and how large.
 
@@ -34,6 +38,7 @@ def about(
         origins: Where the data of each experiment come from, in words.
         scores: All scores of the study.
         dropped: By set of trials, why which were dropped; sets in which none could be are left out.
+        attempts: By experiment, how often each action of its fair test sets was tried.
     """
     fits = scores[scores.task == "csl"].drop_duplicates(["experiment", *ROW_KEYS, *UNITS])
     rows = []
@@ -53,7 +58,19 @@ def about(
             }
         )
     gone = [{"trials": name, "dropped": len(why), "why": "; ".join(why)} for name, why in (dropped or {}).items()]
+    tried = [
+        {
+            "experiment": name,
+            "actions to tell about": len(own),
+            "simulated": sum(own),
+            "thrown away": sum(own) - len(own),
+            "thrown away, %": f"{100 * (1 - len(own) / sum(own)):.0f}",
+        }
+        for name, own in (attempts or {}).items()
+        if own
+    ]
     shown = {"study": table(pd.DataFrame(rows)), "dropped": table(pd.DataFrame(gone)) if gone else ""}
+    shown["tried"] = table(pd.DataFrame(tried)) if tried else ""
     counts = {"fits": len(fits), "measures": len(scores)}
     return Section("about", "What this is", render("about.html", config=config, **counts, **shown))
 

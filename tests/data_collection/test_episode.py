@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from data_collection import exam
+from data_collection.design import target
 from data_collection.episode import calibrate, collect, execute
 from data_collection.joints import JOINT_NAMES
 from data_collection.log import topics
@@ -217,6 +219,81 @@ def _hash(experiment: str, trial: int) -> bytes:
     made = collect(simulation, experiment=experiment, set_name="train", trials=[trial], seed=1, provenance=PROVENANCE)
     with tempfile.TemporaryDirectory() as folder:
         return hashlib.sha256(_bytes(next(made), Path(folder, "a"))).digest()
+
+
+@pytest.mark.parametrize("experiment", ["simulator", "real"])
+def test_the_tutor_says_in_each_test_trial_what_is_due(experiment: str, tmp_path: Path) -> None:
+    """The first four trials of a set hold each action and place once; a job with one trial gives its bytes."""
+    simulation = simulation_of(experiment)
+
+    def logs(trials: Sequence[int]) -> list[Log]:
+        names = {"experiment": experiment, "set_name": "description"}
+        return list(collect(simulation, trials=trials, seed=1, provenance=PROVENANCE, **names))
+
+    made = logs(range(1, 5))
+    said = [known for log in made if (known := truth(log)) is not None]
+    for trial, known in enumerate(said, start=1):
+        due = target(simulation, experiment=experiment, set_name="description", trial=trial, seed=1)
+        words = known.action_word, known.place_words[known.attended]
+        assert words == (due.action, due.place)
+        what = known.object_words[known.attended], known.color_words[known.attended]
+        assert what == (due.kind.object, due.kind.color)
+    assert {known.action_word for known in said} == set(simulation.actions.values())
+    assert {known.place_words[known.attended] for known in said} == set(simulation.places)
+    attempts = [known.attempts for known in said]
+    assert all(count is not None and count >= 1 for count in attempts)
+    assert attempts[[known.action_word for known in said].index("look-at")] == 1
+    assert max(count for count in attempts if count is not None) > 1, "some were thrown away"
+    (alone,) = logs([4])
+    assert _bytes(alone, tmp_path / "a") == _bytes(made[3], tmp_path / "b")
+    assert differences(alone, regenerate(alone)) == []
+
+
+def test_training_trials_are_taken_as_they_come(trials: list[Log]) -> None:
+    assert [known.attempts for log in trials if (known := truth(log)) is not None] == [None] * len(trials)
+
+
+def test_a_word_that_is_never_said_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No hand closes so far that it is a grasp to this tutor: the message says what was tried, and what decides."""
+    monkeypatch.setattr(exam, "MOST_ATTEMPTS", 2)
+    simulation = Simulation.model_validate({"tutor": {"contact": 5.0}, "motion": {"height_mean": 0.1}})
+    due = {
+        trial: target(simulation, experiment="e", set_name="description", trial=trial, seed=1)
+        for trial in range(1, 5)
+    }
+    trial = next(number for number, one in due.items() if one.action == "grasp")
+    told = (
+        rf"e, description, trial {trial}: the tutor did not say 'grasp' \(grasp\) in 2 attempts with a "
+        rf"{due[trial].kind.color} {due[trial].kind.object} at '{due[trial].place}'"
+        r".*simulation.tutor.*simulation.motion"
+    )
+    with pytest.raises(ValueError, match=told):
+        next(
+            collect(simulation, experiment="e", set_name="description", trials=[trial], seed=1, provenance=PROVENANCE)
+        )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("experiment", "size"), [("simulator", 12), ("real", 10)])
+def test_sets_of_the_papers_sizes_are_fair(
+    experiment: str, size: int, record_property: Callable[[str, object], None]
+) -> None:
+    """What the logs tell: every word of every channel is true equally often, as the tutor said."""
+    simulation, kinds = simulation_of(experiment), simulation_of(experiment).kinds()
+    names = {"experiment": f"{experiment}.set2", "set_name": "description"}
+    made = collect(simulation, trials=range(1, size + 1), seed=1, provenance=PROVENANCE, **names)
+    said = [known for log in made if (known := truth(log)) is not None]
+    true = {
+        "action": ([known.action_word for known in said], set(simulation.actions.values())),
+        "position": ([known.place_words[known.attended] for known in said], set(simulation.places)),
+        "object": ([known.object_words[known.attended] for known in said], {kind.object for kind in kinds}),
+        "color": ([known.color_words[known.attended] for known in said], {kind.color for kind in kinds}),
+    }
+    for channel, (words, all_words) in true.items():
+        counts = [words.count(word) for word in all_words]
+        assert max(counts) - min(counts) <= 1, (channel, counts)
+    attempts = sum(known.attempts or 0 for known in said)
+    record_property("attempts thrown away", f"{attempts - size} of {attempts}")
 
 
 @pytest.mark.slow

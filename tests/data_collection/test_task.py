@@ -6,7 +6,7 @@ from collections import Counter
 import pytest
 
 from data_collection import task
-from data_collection.episode import _instruction
+from data_collection.exam import draw_instruction, draw_plan_for, draw_scene_with
 from data_collection.seeding import generator
 from data_collection.shapes import build
 from data_collection.simulation_settings import ACTIONS, Simulation
@@ -48,7 +48,8 @@ def test_instructions(name: str, request: pytest.FixtureRequest) -> None:
     simulation: Simulation = request.getfixturevalue(name)
     said: set[str] = set()
     for trial in range(1, 13):
-        scene, target, words = _instruction(simulation, (name, "generation", trial), 1)
+        scene, target, action = draw_instruction(simulation, (name, "generation", trial), 1)
+        words = task.channel_words(simulation, action, scene[target])
         fits = [
             index
             for index, item in enumerate(scene)
@@ -65,7 +66,7 @@ def test_instructions(name: str, request: pytest.FixtureRequest) -> None:
 
 
 def test_instructed_object_is_not_always_at_the_same_index() -> None:
-    targets = {_instruction(Simulation(), ("e", "generation", trial), 1)[1] for trial in range(1, 13)}
+    targets = {draw_instruction(Simulation(), ("e", "generation", trial), 1)[1] for trial in range(1, 13)}
     assert targets == {0, 1, 2}
 
 
@@ -115,3 +116,41 @@ def test_plans() -> None:
 
 def test_actions_are_the_four() -> None:
     assert set(Simulation().actions) == set(ACTIONS)
+
+
+@pytest.mark.parametrize("name", ["simulation", "real"])
+def test_scenes_with_what_is_attended_are_otherwise_as_those_of_training(
+    name: str, request: pytest.FixtureRequest
+) -> None:
+    simulation: Simulation = request.getfixturevalue(name)
+    kind, place = simulation.kinds()[4], "left"
+    counts, indices, others = Counter[int](), Counter[int](), Counter[tuple[str, str]]()
+    for number in range(300):
+        scene, attended = draw_scene_with(generator(3, "scene", number), simulation, kind, place)
+        assert (scene[attended].kind, scene[attended].place) == (kind, place)
+        assert len({item.place for item in scene}) == len({item.kind for item in scene}) == len(scene)
+        counts[len(scene)] += 1
+        indices[attended] += len(scene) == 3
+        others.update((item.kind.object, item.kind.color) for item in scene if item.kind != kind)
+    assert set(counts) == {1, 2, 3}
+    assert min(counts.values()) > 60
+    assert set(indices) == {0, 1, 2}
+    assert min(indices.values()) > 15
+    assert set(others) == {(each.object, each.color) for each in simulation.kinds() if each != kind}
+
+
+@pytest.mark.parametrize("action", ACTIONS)
+def test_plans_for_a_word(action: str) -> None:
+    simulation = Simulation.model_validate({"tutor": {"bend": 0.6}, "motion": {"look_share": 1.0}})
+    plans = [draw_plan_for(generator(1, number), simulation, 2, action) for number in range(400)]
+    rates = [plan.finger_rate for plan in plans]
+    assert {plan.attended for plan in plans} == {2}
+    assert {plan.moves for plan in plans} == {action != "look-at"}, "whatever the robot does on its own account"
+    if action == "look-at":
+        assert plans[0] == task.Plan(2, moves=False, offset=(0.0, 0.0, 0.0), finger_rate=0.0)
+        return
+    assert min(plan.offset[2] for plan in plans) == simulation.motion.height_least
+    assert len({plan.offset for plan in plans}) == len(plans)
+    least = 0.6 if action == "grasp" else 0.0
+    assert least <= min(rates) < least + 0.02
+    assert 0.98 < max(rates) <= 1.0

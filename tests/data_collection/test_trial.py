@@ -67,6 +67,16 @@ def test_observation_needs_no_truth(trials: list[Log], instruction: Log) -> None
         assert same(observation(bare), observation(log))
 
 
+@pytest.mark.bad_input
+@pytest.mark.parametrize("attempts", [0, -1, 1.5, "two", None, 10**9])
+def test_attempts_that_are_no_number_are_an_error(trials: list[Log], attempts: object) -> None:
+    def told(value: Value) -> str:
+        return json.dumps(json.loads(str(value)) | {"attempts": attempts})
+
+    with pytest.raises(LogError, match=r"trial_0001\.mcap: .*not as documented"):
+        truth(_with(trials[0], topics.TRUTH_OUTCOME, told))
+
+
 def test_half_the_truth_is_an_error(trials: list[Log]) -> None:
     with pytest.raises(LogError, match=f"{topics.TRUTH_OUTCOME} is missing"):
         truth(_without(trials[0], topics.TRUTH_OUTCOME))

@@ -28,7 +28,7 @@ REAL = {
 
 
 def test_the_page_has_an_example_of_each_kind() -> None:
-    assert len(EXAMPLES) == PAGE.read_text(encoding="utf-8").count("```yaml") == 12
+    assert len(EXAMPLES) == PAGE.read_text(encoding="utf-8").count("```yaml") == 13
     assert {example.name for example in EXAMPLES} >= REAL
 
 

@@ -13,14 +13,14 @@ import pytest
 from evaluation.catalogue import tables_of
 from evaluation.claims.lights import with_lights
 from evaluation.claims.paper import CLAIMS
-from evaluation.claims.terms import ACTION_WORDS
+from evaluation.claims.terms import ACTION_WORDS, SHADES_APART
 from evaluation.claims.verdicts import description_scores, judge_claims
 from evaluation.description import read_descriptions
 from evaluation.measures import MEASURES
 from evaluation.metrics import f1_macro
 from evaluation.pages.claims import claims_html, write_claims
 from evaluation.rendering import write
-from evaluation.scores import CONDITION
+from evaluation.scores import COLUMNS, CONDITION
 from evaluation.tables import sheet_of_scores
 from tests.evaluation.hand_made import scores_of
 
@@ -119,14 +119,56 @@ def _told(
     return told.assign(**same, sampler="published")
 
 
-def verdicts(scores: pd.DataFrame, told: pd.DataFrame) -> dict[int, str]:
-    claims, _ = judge_claims(scores, told)
+def shown(*values: float) -> pd.DataFrame:
+    """Whether the shades of green are apart in the fit of Figure 8, of each data set."""
+    names = {"experiment": "real", "variant": "few", "task": "csl", "method": "proposed", "sampler": "published"}
+    rows = [
+        {**names, "D": 25, "ROW": 9, "seed": 4, "dataset": i, "measure": SHADES_APART, "value": value}
+        for i, value in enumerate(values, start=1)
+    ]
+    return pd.DataFrame(rows)[COLUMNS]
+
+
+def verdicts(scores: pd.DataFrame, told: pd.DataFrame, of_figures: pd.DataFrame | None = None) -> dict[int, str]:
+    claims, _ = judge_claims(scores, told, of_figures)
     return dict(zip(claims["claim"], claims["verdict"], strict=True))
 
 
 def test_everything_as_the_paper_says() -> None:
-    found = verdicts(results(as_the_paper_says), descriptions())
-    assert found == dict.fromkeys(range(1, 22), "holds")
+    found = verdicts(results(as_the_paper_says), descriptions(), shown(1.0, 1.0, 1.0))
+    assert found == dict.fromkeys(range(1, 23), "holds")
+
+
+@pytest.mark.parametrize(
+    ("values", "verdict"),
+    [
+        ((1.0, 1.0), "holds"),
+        ((1.0,), "not decidable"),
+        ((0.0,), "not decidable"),
+        ((0.0, 0.0, 0.0), "does not hold"),
+        ((1.0, 1.0, 0.0), "not decidable"),
+        ((0.0,) * 9 + (1.0,), "does not hold"),
+        ((float("nan"), float("nan")), "not run"),
+    ],
+)
+def test_shades_are_judged_by_the_fit_of_figure_8_of_each_data_set(
+    values: tuple[float, ...], verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in ("verdicts", "lights"):  # the other claims take their time
+        monkeypatch.setattr(f"evaluation.claims.{module}.CLAIMS", CLAIMS[-1:])
+    scores, told, of_figures = results(as_the_paper_says), descriptions(), shown(*values)
+    claims, comparisons = judge_claims(scores, told, of_figures)
+    found = claims.set_index("claim").loc[22]
+    assert found["verdict"] == verdict
+    own = comparisons[comparisons["claim"] == 22].iloc[0]
+    assert own["comparison"] == "shades of green apart(A, D 25, ROW 9, few) = 1"
+    assert own["rests_on"] == ("" if verdict == "not run" else "claims_shades.csv")
+    assert verdicts(scores, told, of_figures.assign(variant="default"))[22] == "not run"
+    lights = convergence("green")
+    lights.loc[lights["variant"] == "few", "light"] = "amber"
+    assert with_lights(claims, lights).set_index("claim").loc[22, "lights"] == (
+        "" if verdict == "not run" else "1 amber"
+    )
 
 
 def changed(**change: float) -> Level:
@@ -195,6 +237,7 @@ def test_what_a_study_did_not_run_is_not_run() -> None:
         19,
         20,
         21,
+        22,
     }
     claims, comparisons = judge_claims(scores[:0], nothing)
     assert set(claims["verdict"]) == {"not run"}
@@ -275,7 +318,7 @@ def test_every_link_leads_to_a_cell(tmp_path: Path) -> None:
     scores = results(as_the_paper_says)
     for name, table in tables_of(set(zip(scores.experiment, scores.task, scores.D, strict=True))).items():
         write(name, sheet_of_scores(scores, table), tmp_path / "tables")
-    claims, comparisons = judge_claims(scores, descriptions())
+    claims, comparisons = judge_claims(scores, descriptions(), shown(1.0, 1.0))
     claims = with_lights(claims, convergence("red"))
     write_claims(claims, comparisons, tmp_path / "claims.csv", tmp_path / "rows.csv", tmp_path / "claims.html")
     page = (tmp_path / "claims.html").read_text()
@@ -287,6 +330,6 @@ def test_every_link_leads_to_a_cell(tmp_path: Path) -> None:
         if cell:
             assert f'id="{cell}"' in (tmp_path / file).read_text()
         else:
-            assert re.fullmatch(r"descriptions/(simulator|real)_D\d+\.csv|scores\.csv", file)
+            assert re.fullmatch(r"descriptions/(simulator|real)_D\d+\.csv|scores\.csv|claims_shades\.csv", file)
     kept = pd.read_csv(tmp_path / "claims.csv", keep_default_na=False)
-    assert kept["claim"].tolist() == [claim.number for claim in CLAIMS] == list(range(1, 22))
+    assert kept["claim"].tolist() == [claim.number for claim in CLAIMS] == list(range(1, 23))

@@ -127,6 +127,15 @@ def test_dropped_trials_are_counted(scores: pd.DataFrame) -> None:
     assert "dropped" not in report.about("own.yaml", {"own": "a robot's logs"}, scores).body
 
 
+def test_what_was_thrown_away_for_fair_test_sets_is_counted(scores: pd.DataFrame) -> None:
+    attempts = {"own": (1, 4, 1, 2), "own_two": ()}
+    body = report.about("own.yaml", {"own": "simulated trials"}, scores, attempts=attempts).body
+    assert "".join(f"<td>{cell}</td>" for cell in ("own", "4", "8", "4", "50")) in body
+    assert body.count("thrown away, %") == 1
+    assert "own_two" not in body
+    assert "thrown away" not in report.about("own.yaml", {"own": "a robot's logs"}, scores).body
+
+
 def test_claims_lead_to_what_they_rest_on(claimed: pd.DataFrame) -> None:
     body = report.claims(claimed, COMPARISONS, {"table_1a", "table_1b", "own_words"}).body
     assert re.findall(r'href="(.*?)"', body) == [

@@ -142,6 +142,32 @@ def test_saved_percepts_load_the_same_and_have_the_same_bytes(percepts: Percepts
     assert same(load_percepts(paths[0]), percepts)
 
 
+def test_attempts_are_kept_where_they_are_known(percepts: Percepts, logs: Any, tmp_path: Path) -> None:
+    """Of trials that are taken as they come the file says nothing of them, as before there were fair test sets."""
+
+    def tried(log: Log, attempts: int) -> Log:
+        (outcome,) = (json.loads(str(m.value)) for m in log.messages if m.topic == topics.TRUTH_OUTCOME)
+        return changed(log, topics.TRUTH_OUTCOME, json.dumps(outcome | {"attempts": attempts}))
+
+    made = [tried(log, 3 * trial) for trial, log in enumerate(logs.trials(3), start=1)]
+    seen = perceive(made, logs.calibration(), SETTINGS)
+    assert seen.truth_attempts is not None
+    assert seen.truth_attempts.tolist() == [3, 6, 9]
+    save_percepts(tmp_path / "a.npz", seen)
+    assert same(load_percepts(tmp_path / "a.npz"), seen)
+    assert same(first(seen, 2), first(percepts, 2), but=("truth_attempts",))
+    later = perceive(logs.trials(2, first=4), logs.calibration(), SETTINGS)
+    joined = join([later, seen]).truth_attempts
+    assert joined is not None
+    assert joined.tolist() == [3, 6, 9, 0, 0]
+    kept = only(seen, 2).truth_attempts
+    assert kept is not None
+    assert kept.tolist() == [6]
+    save_percepts(tmp_path / "b.npz", later)
+    with np.load(tmp_path / "b.npz") as stored:
+        assert "truth_attempts" not in stored.files
+
+
 @pytest.mark.parametrize("damage", ["missing", "truncated", "flipped", "other"])
 def test_damaged_percepts_are_refused(percepts: Percepts, tmp_path: Path, damage: str) -> None:
     path = tmp_path / "percepts.npz"

@@ -45,7 +45,7 @@ def test_the_table_keeps_the_contract(percepts: Percepts, tmp_path: Path) -> Non
     transforms = fit_transforms(percepts, SETTINGS, 1, "simulator", 12)
     table = apply(transforms, percepts)
     paths = tmp_path / "trials.parquet", tmp_path / "objects.parquet"
-    write_table(table, *paths, table_metadata(transforms))
+    write_table(table, *paths, table_metadata(transforms, percepts))
     again = read_table(*paths, need_attention=True)
     np.testing.assert_array_equal(again.action, table.action)
     assert table.action.shape == (12, 38)
@@ -57,7 +57,11 @@ def test_the_table_keeps_the_contract(percepts: Percepts, tmp_path: Path) -> Non
     assert json.loads(metadata["provenance"])["trials"] == list(range(1, 13))
     assert json.loads(metadata["provenance"])["weights"] == "seeded 0"
     assert "dropped" not in metadata
-    assert json.loads(table_metadata(transforms, ("trial 3: why",))["dropped"]) == ["trial 3: why"]
+    assert "attempts" not in metadata
+    special = replace(percepts, dropped=("trial 3: why",), truth_attempts=np.arange(1, 13))
+    metadata = table_metadata(transforms, special)
+    assert json.loads(metadata["dropped"]) == ["trial 3: why"]
+    assert json.loads(metadata["attempts"]) == list(range(1, 13))
 
 
 def test_training_values_fill_the_unit_range(percepts: Percepts) -> None:

@@ -27,10 +27,12 @@ def copy_project(folder: Path) -> Path:
     return folder
 
 
-def command(config: Path, out: Path, *more: str, cache: Path | None = None) -> list[str]:
+def command(
+    config: Path, out: Path, *more: str, cache: Path | None = None, options: tuple[str, ...] = ()
+) -> list[str]:
     """The command line that the Makefile uses, with a cache for this output folder alone unless one is named."""
     base = [sys.executable, "-m", "workflow", "run", "--config", str(config), "--out", str(out), "--cores", "2"]
-    return [*base, *("--cache", str(cache or f"{out}.cache")), *(["--", *more] if more else [])]
+    return [*base, *("--cache", str(cache or f"{out}.cache")), *options, *(["--", *more] if more else [])]
 
 
 def forget(out: Path) -> None:
@@ -39,10 +41,16 @@ def forget(out: Path) -> None:
 
 
 def run(
-    config: Path, out: Path, *more: str, succeeds: bool = True, cache: Path | None = None, root: Path = ROOT
+    config: Path,
+    out: Path,
+    *more: str,
+    succeeds: bool = True,
+    cache: Path | None = None,
+    root: Path = ROOT,
+    options: tuple[str, ...] = (),
 ) -> str:
     """Run a study, of the clone at `root`, and return what it printed."""
-    line = command(config, out, *more, cache=cache)
+    line = command(config, out, *more, cache=cache, options=options)
     forget(out)
     done = subprocess.run(line, cwd=root, capture_output=True, text=True, check=False)
     printed = done.stdout + done.stderr

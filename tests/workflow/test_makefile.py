@@ -115,6 +115,12 @@ def test_names_reach_the_program_as_they_are(target: str, name: str) -> None:
         ]
 
 
+def test_claims_are_run_until_they_are_decided_where_that_is_asked_for() -> None:
+    words = shlex.split(make(ROOT, "-n", "claims", "UNTIL=30; echo").stdout.splitlines()[-1])
+    assert words[words.index("--until-decided") + 1] == "30; echo"
+    assert "--until-decided" not in make(ROOT, "-n", "claims").stdout
+
+
 def test_results_are_removed_only_where_that_is_asked_for(clone: Path) -> None:
     (clone / "results" / "reference").mkdir(parents=True)
     (clone / "results" / "fits").mkdir()

@@ -85,6 +85,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "evaluation.replicates",
         "evaluation.scores",
         "model",
+        "features.table",
         "data_collection.seeding",
     ),
     "evaluation/figures": (

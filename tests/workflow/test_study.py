@@ -33,7 +33,7 @@ def test_every_stage_left_its_artifacts(finished: Path) -> None:
     fits = [name for name in found if name.startswith("fits/")]
     assert len(fits) == 2 * 2 * 2 + 2 + 2  # with ALL, and another chain of each method at ROW 40
     assert {f"tables/simulator_csl.{form}" for form in ("csv", "md", "tex", "html")} <= set(found)
-    assert {"claims.csv", "claims_comparisons.csv", "claims.html"} <= set(found)
+    assert {"claims.csv", "claims_comparisons.csv", "claims_shades.csv", "claims.html"} <= set(found)
     assert "tables/simulator_csl_differences.csv" in found
     assert {f"tables/simulator_uncertain.{form}" for form in ("csv", "md", "tex", "html")} <= set(found)
     assert {f"figures/simulator_{name}.png" for name in ("uncertain", "instructions")} <= set(found)

@@ -74,7 +74,7 @@ def keep_config(path: Path, out: Path) -> Path:
     copy = out / COPY
     with replacing(copy, copy.with_suffix(".origin")) as (content, origin_file):
         content.write_bytes(path.read_bytes())
-        origin_file.write_text(str(path.resolve()), encoding="utf-8")
+        origin_file.write_text(str(copied_from(path).resolve()), encoding="utf-8")
     read_config(copy)  # the file may have changed since it was checked
     return copy
 

@@ -32,7 +32,8 @@ class Generation(StrictModel):
         12,
         ge=0,
         le=10_000,
-        description="instructions to draw, each with a scene in which one object fits; 0 leaves the task out",
+        description="instructions to draw, each with a scene in which one object fits; each word is said equally "
+        "often, ± 1; 0 leaves the task out",
     )
     D: Several[TrialCount] = Field((), description="some of the experiment's D, by default the largest")
     ROW: Several[Percent] = Field((), description="some of the experiment's ROW, by default the smallest")
@@ -48,7 +49,13 @@ class Generation(StrictModel):
 class Description(StrictModel):
     """The action description task: actions that the robot tells about."""
 
-    actions: int = Field(12, ge=0, le=10_000, description="actions to simulate; 0 leaves the task out")
+    actions: int = Field(
+        12,
+        ge=0,
+        le=10_000,
+        description="actions to simulate, each until the tutor says the word that is due: each word is true equally "
+        "often, ± 1; 0 leaves the task out",
+    )
     D: Several[TrialCount] = Field((), description="some of the experiment's D, by default all")
     ROW: Several[Percent] = Field((), description="some of the experiment's ROW, by default all")
     samplers: Several[Name] = Field((), description="some of the experiment's samplers, by default all")

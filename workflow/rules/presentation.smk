@@ -26,15 +26,18 @@ rule claims:
         descriptions=tested_files(
             [*study.sets("simulator"), *study.sets("real")], "description", "descriptions/{experiment}_D{D}.csv"
         ),
+        shaded=[path for one in shaded() for path in (*one["fits"], one["trials"], one["objects"])],
     output:
         claims="claims.csv",
         comparisons="claims_comparisons.csv",
+        shades="claims_shades.csv",
         page="claims.html",
     log:
         "joblogs/claims.log",
     group:
         "results"
     params:
+        shaded=list(shaded()),
         code=tracked("claims.py"),
     script:
         "../scripts/claims.py"
@@ -137,6 +140,7 @@ rule report:
         ],
         convergence="convergence.csv",
         droppable=list(dict(droppable()).values()),
+        tried=[path for _, path in tried()],
     output:
         report("report.html", caption="../report/report.rst", category="Report"),
     log:
@@ -148,6 +152,7 @@ rule report:
         tables=TABLES,
         figures=[told_figure(*names) for names in SHOWN_FIGURES],
         droppable=list(dict(droppable())),
+        tried=[name for name, _ in tried()],
         sources={name: source_in_words(experiment) for name, experiment in study.first_sets.items()},
         settings={name: all_settings(experiment) for name, experiment in study.first_sets.items()},
         python=python_version(),

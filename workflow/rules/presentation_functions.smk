@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from evaluation.catalogue import files_of_tables, tables_of
+from evaluation.claims.shades import is_figure_8
 from evaluation.figures.catalogue import FIGURES, shown_figure
 from model import METHODS
 from workflow.artifacts.versions import pinned_packages, python_version, study_hash
@@ -210,3 +211,27 @@ def droppable():
             for set_name, Ds in used.items():
                 if Ds:
                     yield f"{name}, {set_name}", f"features/{name}/D{max(Ds)}/{set_name}_trials.parquet"
+
+
+def tried():
+    """Each simulated set of actions to tell about: its experiment, and its feature table at the largest D."""
+    for name, experiment in study.experiments.items():
+        if experiment.data == name and experiment.source == "simulation":
+            if Ds := study.tested_D(name, "description"):
+                yield experiment.title, f"features/{name}/D{max(Ds)}/description_trials.parquet"
+
+
+def shaded():
+    """The fits of the paper's Figure 8, with all seeds, where the shades of objects are known: those of simulations."""
+    for name in study.sets("real"):
+        simulation = study.experiments[study.experiments[name].data].settings.simulation
+        for condition in study.figure_conditions(name).values():
+            if is_figure_8(vars(condition)) and simulation_of(study.experiments[name].data):
+                table = f"features/{study.experiments[name].data}/D{condition.D}/train_{{}}.parquet"
+                yield {
+                    "condition": vars(condition),
+                    "fits": [one.path for one in study.seeds(condition)],
+                    "trials": table.format("trials"),
+                    "objects": table.format("objects"),
+                    "shades": simulation.shades_by_words(),
+                }

@@ -14,4 +14,4 @@ with job(snakemake) as (files, out):
     extraction = FeatureSettings.model_validate(snakemake.params.extraction | weights)
     transforms = fit_transforms(percepts, extraction, snakemake.params.seed, *names)
     save_transforms(out.transforms, transforms)
-    write_table(apply(transforms, percepts), out.trials, out.objects, table_metadata(transforms, percepts.dropped))
+    write_table(apply(transforms, percepts), out.trials, out.objects, table_metadata(transforms, percepts))

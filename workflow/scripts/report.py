@@ -20,9 +20,12 @@ with job(snakemake) as (files, out):
     claims, comparisons = (pd.read_csv(path, dtype=str, keep_default_na=False) for path in files.claims)
     made = {name: read_metadata(path) for name, path in zip(params.droppable, files.droppable, strict=True)}
     dropped = {name: json.loads(told.get("dropped", "[]")) for name, told in made.items()}
+    attempts: dict[str, list[int]] = {}
+    for name, path in zip(params.tried, files.tried, strict=True):
+        attempts.setdefault(name, []).extend(json.loads(read_metadata(path).get("attempts", "[]")))
     scores = read_scores([files.scores])
     sections = [
-        report.about(params.config, params.sources, scores, dropped),
+        report.about(params.config, params.sources, scores, dropped, attempts),
         report.claims(claims, comparisons, tables),
         report.tables(tables),
         report.figures(params.figures, Path()),

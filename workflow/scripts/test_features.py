@@ -8,4 +8,4 @@ from workflow.execution.job import job
 with job(snakemake) as (files, out):
     transforms = load_transforms(files.transforms)
     percepts = join(map(load_percepts, files.percepts))
-    write_table(apply(transforms, percepts), out.trials, out.objects, table_metadata(transforms, percepts.dropped))
+    write_table(apply(transforms, percepts), out.trials, out.objects, table_metadata(transforms, percepts))
