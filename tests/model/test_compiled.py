@@ -58,7 +58,7 @@ def result_of(process: subprocess.Popen[str]) -> list[str]:
 
 def saved_by(lines: str) -> list[str]:
     """The files of machine code that a process under `NUMBA_DEBUG_CACHE` says it wrote."""
-    return re.findall(r"data saved to '(.+?)'", lines)
+    return [os.path.normpath(path) for path in re.findall(r"data saved to '(.+?)'", lines)]
 
 
 @pytest.mark.slow

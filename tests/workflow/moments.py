@@ -54,6 +54,8 @@ class _Killer:
 
     def __call__(self, event: str, arguments: tuple[Any, ...]) -> None:
         writing = event == "open" and isinstance(arguments[2], int) and bool(arguments[2] & WRITING)
+        if writing and Path(str(arguments[0])).is_dir():
+            return  # a file without a name, in this folder: it leaves nothing behind
         if self._dying or not (event in CHANGES or writing):
             return
         path = str(arguments[0])
