@@ -192,9 +192,11 @@ def data_problems(study: Study, name: str, notes: list[str]) -> Iterator[str]:
 def too_long(study: Study, experiment: Experiment, words: int) -> str:
     """Say why a sentence of so many words is too long for what is fitted to a data set; empty if it is not."""
     users = [user for user in study.experiments.values() if user.data == experiment.name]
-    if words <= len(CHANNELS) or not any("proposed" in user.settings.methods for user in users):
-        return ""
-    return f"{words} words, but method proposed explains at most {len(CHANNELS)} (one per channel)"
+    methods = [name for user in users for name in user.settings.methods]
+    for name in methods:
+        if words > METHODS[name].frame_prior.word_limit(len(CHANNELS)):
+            return f"{words} words, but method {name} explains at most {len(CHANNELS)} (one per channel)"
+    return ""
 
 
 def _log_problems(study: Study, experiment: Experiment) -> Iterator[str]:
