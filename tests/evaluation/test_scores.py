@@ -109,7 +109,7 @@ def test_without_kept_states_measures_of_the_summary_are_empty(proposed: Fit, ta
     empty = {name for name, value in measures.items() if value is None}
     without = {name for name in measures if name.endswith(("_low", "_high", "_summary", "_mode", "_entropy"))}
     assert empty == without | {"none_precision", "none_recall"}  # of no method that gives every word a channel
-    assert len(empty) == 8 + 2 + 7 + 1 + 1
+    assert len(empty) == 8 + 2 + 7 + 1 + 1 + 2
 
 
 @pytest.mark.parametrize(("method", "words"), [("mmlda", True), ("proposed", False), ("gmm", False)])
