@@ -83,4 +83,4 @@ def test_the_blocked_sampler_takes_five_channels(method: str) -> None:
     assert np.mean([adjusted_rand_score(true, z) for true, z in zip(labels, state.z, strict=True)]) > 0.7
     if METHODS[method].has_frames:
         assert np.mean(state.F == frames) > 0.8
-        assert set(state.F) == set(range(5))
+        assert set(range(5)) <= set(state.F) <= set(range(METHODS[method].frame_prior.sources(5)))
