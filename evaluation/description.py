@@ -10,9 +10,9 @@ import pandas as pd
 from evaluation.scores import CONDITION
 from features.table import FeatureTable
 from model import Fit
-from model.prediction import describe
+from model.prediction import describe, spoken_order
 
-# The fixed frame of a description: action, position, color, object.
+# The frame of a description where no order is learned: action, position, color, object.
 FRAME = ("action", "position", "color", "object")
 COLUMNS = ["trial", "channel", "true", "described"]
 
@@ -36,7 +36,7 @@ def describe_trials(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[
     pairs = [
         (int(table.trial[d]), channel, word, spoken[channel][d])
         for d, sentence in enumerate(table.words)
-        for channel in FRAME
+        for channel in spoken
         for word in sentence
         if word in words[channel]
     ]
@@ -44,7 +44,9 @@ def describe_trials(fit: Fit, table: FeatureTable, words: Mapping[str, Sequence[
 
 
 def spoken_of(fit: Fit, table: FeatureTable) -> dict[str, tuple[str, ...]]:
-    """What the robot says of each trial of a table with attended objects: by channel of `FRAME` a word per trial.
+    """What the robot says of each trial of a table with attended objects: by channel a word per trial.
+
+    The channels are in the learned order of words, or in that of `FRAME`. Words of no channel are not said.
 
     Raises:
         ValueError: The robot learned without words.
@@ -55,7 +57,7 @@ def spoken_of(fit: Fit, table: FeatureTable) -> dict[str, tuple[str, ...]]:
         "object": table.object_feature[table.attended_row],
         "color": table.color[table.attended_row],
     }
-    return {channel: describe(fit, channel, attended[channel]) for channel in FRAME}
+    return {channel: describe(fit, channel, attended[channel]) for channel in spoken_order(fit) or FRAME}
 
 
 def read_descriptions(paths: Sequence[Path]) -> pd.DataFrame:

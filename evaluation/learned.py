@@ -7,7 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from evaluation.metrics import adjusted_rand_index, channel_by_word, estimation_accuracy_rate
+from evaluation.metrics import (
+    adjusted_rand_index,
+    channel_by_word,
+    estimation_accuracy_rate,
+    precision_and_recall,
+)
 from evaluation.scores import LETTERS, Words
 from evaluation.truth import truth_log_joint
 from features.table import FeatureTable
@@ -61,6 +66,14 @@ class Learned:
         kept = self.fit.kept
         return [] if kept is None else [self._right(F, words) for F in kept.thinned(MOST_STATES).F]
 
+    def none_precision(self, words: Words) -> float | None:
+        """Of the words that the last state takes for words of no channel, the share that is."""
+        return self._none(words)[0]
+
+    def none_recall(self, words: Words) -> float | None:
+        """Of the words of no channel, the share that the last state takes for such."""
+        return self._none(words)[1]
+
     def word_entropy(self) -> float | None:
         """Mean entropy of the words' channels in nats; None without a summary, frames or words."""
         marginals = None if self.fit.summary is None else self.fit.summary.marginals
@@ -88,8 +101,19 @@ class Learned:
         return adjusted_rand_index(z[rows], [truth[row] for row in rows])
 
     def _right(self, F: Ints, words: Words) -> float | None:
-        trials = self.fit.trials
         if not self.fit.problem.method.has_frames:
             return None
+        return estimation_accuracy_rate(F, self._true_channels(words))
+
+    def _none(self, words: Words) -> tuple[float | None, float | None]:
+        """Precision and recall of no channel; None for a method that has none."""
+        if not self.fit.problem.frame_prior.has_none:
+            return None, None
+        none = len(self.fit.trials.channels)
+        return precision_and_recall(self.fit.state.F, self._true_channels(words), none)
+
+    def _true_channels(self, words: Words) -> list[int | None]:
+        """The true channel of each word, None where it is not known."""
+        trials = self.fit.trials
         channel_of = channel_by_word(words, [channel.name for channel in trials.channels])
-        return estimation_accuracy_rate(F, [channel_of.get(trials.vocabulary[w]) for w in trials.words[0]])
+        return [channel_of.get(trials.vocabulary[w]) for w in trials.words[0]]

@@ -100,6 +100,8 @@ MEASURES = (
     Measure("csl", "EAR", Learned.ear),
     Measure("csl", "EAR_mode", Learned.ear_mode, optional=True),
     *_interval("EAR", Learned.ear_along),
+    Measure("csl", "none_precision", Learned.none_precision, optional=True),
+    Measure("csl", "none_recall", Learned.none_recall, optional=True),
     Measure("csl", "word_entropy", lambda learned, words: learned.word_entropy(), **HIDDEN),
     *_by_channel("used_{}", lambda learned, channel: float(len(np.unique(learned.categories(channel)))), **HIDDEN),
     Measure("csl", LOG_JOINT, lambda learned, words: learned.log_joint(), **HIDDEN),

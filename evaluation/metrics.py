@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.metrics import adjusted_rand_score, confusion_matrix, f1_score
 
+from evaluation.scores import NONE
+
 Ints = NDArray[np.int64]
 Truth = Sequence[str | None] | None
 
@@ -48,8 +50,25 @@ def estimation_accuracy_rate(F: Ints, channel_of_word: Sequence[int | None]) -> 
 
 
 def channel_by_word(words: Mapping[str, Sequence[str]], channels: Sequence[str]) -> dict[str, int]:
-    """The index of the true channel of each word of an experiment."""
-    return {word: channels.index(channel) for channel, own in words.items() for word in own}
+    """The index of the true channel of each word of an experiment; of words of none, `NONE`, behind the channels."""
+    return {word: [*channels, NONE].index(channel) for channel, own in words.items() for word in own}
+
+
+def precision_and_recall(F: Ints, truth: Sequence[int | None], channel: int) -> tuple[float | None, float | None]:
+    """Of the words that are estimated to be of a channel, the share that is; of those that are, the share estimated.
+
+    Args:
+        F: (T,) estimated channel of each word.
+        truth: (T,) true channel; words whose channel is not known (None) are left out.
+        channel: The channel, or C for none.
+
+    Returns:
+        Both shares, None where there is no such word.
+    """
+    pairs = [(int(f) == channel, true == channel) for f, true in zip(F, truth, strict=True) if true is not None]
+    both = sum(found and is_so for found, is_so in pairs)
+    found, so = sum(one for one, _ in pairs), sum(other for _, other in pairs)
+    return (both / found if found else None), (both / so if so else None)
 
 
 def accuracy(true: Sequence[str], predicted: Sequence[str]) -> float | None:

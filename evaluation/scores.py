@@ -25,6 +25,8 @@ SHARED = [key for key in SEEDS if key not in ("experiment", "dataset", "method")
 ROW_KEYS = [*SHARED, "method"]
 # The log joint of a fit, and that of the truth beside it.
 LOG_JOINT, LOG_JOINT_TRUTH = "log_joint", "log_joint_truth"
+# The words of no channel, ∅ in the model, beside those of the channels.
+NONE = "none"
 # The letter that names a channel in measures and figures.
 LETTERS = {"action": "a", "position": "p", "object": "o", "color": "c"}
 

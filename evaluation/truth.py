@@ -56,8 +56,9 @@ def _channels(problem: Problem, words: Words) -> Ints | None:
     channel_of = channel_by_word(words, [channel.name for channel in trials.channels])
     by_word = np.array([channel_of.get(word, -1) for word in trials.vocabulary], dtype=np.int64)
     F = by_word[trials.words[0]]
-    if np.any(F < 0):
+    if np.any(F < 0) or np.any(F >= problem.sources):
         return None
     # How many words of each sentence each channel explains.
-    shares = np.bincount(trials.word_trial * len(trials.channels) + F)
+    named = len(trials.channels) > F
+    shares = np.bincount(trials.word_trial[named] * len(trials.channels) + F[named])
     return None if np.any(shares > problem.frame_prior.most_per_channel) else F

@@ -3,7 +3,7 @@
 | group | variable | dimensions |
 | --- | --- | --- |
 | `posterior` | `z_{x}`, the category of each element of channel x | chain, draw, element_{x} |
-| | `F`, the index of the channel of each word, counted from 0; not of a method without frames | chain, draw, word |
+| | `F`, the index of the channel of each word, C for none; not of a method without frames | chain, draw, word |
 | | `mean_precision`, κ0; only where a channel learns it | chain, draw, channel |
 | `sample_stats` | `lp`, log p(X, w, z, F) | chain, draw |
 | | `used`, the number of categories in use | chain, draw, channel |

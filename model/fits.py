@@ -4,7 +4,7 @@
 | --- | --- | --- |
 | `method`, `channels`, `vocabulary` | names | (), (C,), (W,) |
 | `words`, `word_trial` | w and its trial d | (C, T), (T,) |
-| `F` | F, index of a channel for each word; empty without frames | (T,) or (0,) |
+| `F` | F, index of a channel for each word, C for none (∅); empty without frames | (T,) or (0,) |
 | `trace_log_joint` | log p(X, w, z, F) after each iteration | (iterations,) |
 | `trace_used` | categories in use after each iteration | (iterations, C) |
 | `trace_mean_precision` | only if learned: κ0 of each iteration | (iterations, C) |
@@ -12,16 +12,18 @@
 | `z_{x}` | z^x | (N_x,) |
 | `pi_{x}`, `mu_{x}`, `Sigma_{x}` | π^x, μ^x, Σ^x | (K_x,), (K_x, dim_x), (K_x, dim_x, dim_x) |
 | `theta_{x}` | θ^x | (K_x, W) |
+| `theta_none` | only where words may be of no channel: θ^∅ | (1, W) |
+| `lambda`, `orders` | only where it is learned: λ, and the channels in order, −1 behind the last | (S,), (S, C) |
 | `prior_{x}` | hyperparameters of the channel as JSON | () |
 | `sampler` | the settings of the sampler, and the generator's seed, as JSON | () |
 | `history_iteration`, `history_F` | only if kept: number of the iteration from 1, F | (H,), (H, T) |
 | `history_z_{x}` | only if kept: z^x | (H, N_x) |
-| `marginal_F` | share of the states kept after burn-in in which each channel explains a word | (T, C) |
+| `marginal_F` | share of the states kept after burn-in in which each channel, or ∅, explains a word | (T, sources) |
 | `summary_z_{x}` | the partition with the least expected variation of information over them | (N_x,) |
 | `together_{x}` | share of them in which two elements share a category; only if N_x ≤ 1,000 | (N_x, N_x) |
 | `chains_log_joint` | only of several chains: `trace_log_joint` of each | (chains, iterations) |
 | `chains_used` | likewise `trace_used` | (chains, iterations, C) |
-| `chains_marginal_F` | likewise `marginal_F` | (chains, T, C) |
+| `chains_marginal_F` | likewise `marginal_F` | (chains, T, sources) |
 
 Without kept states there is no history and no summary, without frames no `marginal_F`.
 """
@@ -39,6 +41,7 @@ import numpy as np
 
 from data_collection.files import write_arrays
 from model.data import Channel, Floats, Ints, Trials
+from model.frame_paths import order_table
 from model.history import Chains, History, burned
 from model.knowledge import Knowledge, of_history, of_last, of_summary
 from model.methods import METHODS
@@ -142,6 +145,9 @@ def save(fit: Fit, path: Path) -> None:
         "chains_used": chains and chains.used,
         "chains_marginal_F": chains and chains.marginals,
         "marginal_F": summary and summary.marginals,
+        "theta_none": np.exp(state.log_words[-1]) if fit.problem.frame_prior.has_none else None,
+        "lambda": np.exp(state.log_orders) if len(state.log_orders) else None,
+        "orders": order_table(len(trials.channels)) if len(state.log_orders) else None,
     }
     for c, channel in enumerate(trials.channels):
         arrays |= {
@@ -206,7 +212,8 @@ def _from_arrays(arrays: dict[str, Any]) -> Fit:
         log_weights=tuple(_log(arrays[f"pi_{name}"]) for name in names),
         mean=tuple(arrays[f"mu_{name}"] for name in names),
         factor=tuple(_cholesky(arrays[f"Sigma_{name}"]) for name in names),
-        log_words=tuple(_log(arrays[f"theta_{name}"]) for name in names),
+        log_words=tuple(_log(arrays[f"theta_{name}"]) for name in (*names, "none") if f"theta_{name}" in arrays),
+        log_orders=_log(arrays.get("lambda", np.empty(0))),
         F=arrays["F"],
     )
     history, summary, chains, kappa = None, None, None, arrays.get("trace_mean_precision")

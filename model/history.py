@@ -79,8 +79,8 @@ class Chains:
     Attributes:
         log_joint: (chains, iterations) log p(X, w, z, F) after each iteration.
         used: (chains, iterations, C) number of categories in use, after each iteration.
-        marginals: (chains, T, C) for each word the share of a chain's kept states after burn-in in which a channel
-            explains it; None for a method without frames, and where no states were kept.
+        marginals: (chains, T, sources) for each word the share of a chain's kept states after burn-in in which a
+            channel, or ∅, explains it; None for a method without frames, and where no states were kept.
     """
 
     log_joint: Floats

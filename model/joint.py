@@ -17,14 +17,14 @@ from model.distributions.dirichlet import (
 )
 from model.distributions.gaussian_densities import gaussian_log_density, gaussian_log_marginal, giw_log_density
 from model.distributions.gaussians import draw_posterior_gaussians, gaussian_posterior
-from model.kernels.words import word_counts, word_log_weights
+from model.kernels.words import none_counts, word_counts, word_log_weights
 from model.prior import GaussianPrior
 from model.problem import Problem
 from model.state import Partition, State
 
 
 def log_joint(problem: Problem, state: State) -> float:
-    """Log p(X, w, z, F, π, φ, θ) of the data and the whole state, and p(κ0) where it is learned."""
+    """Log p(X, w, z, F, π, φ, θ) of the data and the whole state, λ integrated out; p(κ0) where it is learned."""
     total = problem.log_hyperprior + problem.frame_prior.log_probability(problem.trials, state.F)
     per_word = word_log_weights(problem, state.z, state.log_words)
     for c, (channel, prior) in enumerate(zip(problem.trials.channels, problem.priors, strict=True)):
@@ -37,6 +37,12 @@ def log_joint(problem: Problem, state: State) -> float:
         total += float(np.sum(giw_log_density(before, state.mean[c], state.factor[c])))
         total += dirichlet_log_density(state.log_words[c], word_prior)
         total += float(np.sum(per_word[problem.counted(state.F, c), c]))
+    if problem.frame_prior.has_none:
+        C = len(problem.priors)
+        total += dirichlet_log_density(
+            state.log_words[C], np.full_like(state.log_words[C], problem.none_concentration)
+        )
+        total += float(np.sum(per_word[state.F == C, C]))
     return total
 
 
@@ -49,12 +55,15 @@ def log_constant(problem: Problem, state: Partition) -> float:
 
 
 def log_marginal_joint(problem: Problem, state: Partition) -> float:
-    """Log p(X, w, z, F), with p(κ0) where it is learned; π, φ, θ integrated out: what all fits are compared by."""
+    """Log p(X, w, z, F), with p(κ0) where it is learned; π, φ, θ, λ integrated out: what all fits are compared by."""
     total = problem.log_hyperprior + problem.frame_prior.log_probability(problem.trials, state.F)
     for c, (channel, prior) in enumerate(zip(problem.trials.channels, problem.priors, strict=True)):
         counts = word_counts(problem, c, state.z[c], state.F)
         weight, gamma = prior.concentration / prior.categories, prior.word_concentration
         total += _channel_log_marginal(channel.features, state.z[c], counts, weight, gamma, problem.gaussians[c])
+    if problem.frame_prior.has_none:
+        of_none = np.equal(state.F, len(problem.priors)).astype(np.float64)
+        total += count_log_marginal(none_counts(problem, of_none), problem.none_concentration)
     return total
 
 
@@ -91,6 +100,8 @@ def draw_parameters(rng: np.random.Generator, problem: Problem) -> State:
         mean.append(drawn_mean)
         factor.append(drawn_factor)
         log_words.append(draw_log_dirichlet(rng, np.full((K, len(design.vocabulary)), prior.word_concentration), 1))
+    if problem.frame_prior.has_none:
+        log_words.append(draw_log_dirichlet(rng, np.full((1, len(design.vocabulary)), problem.none_concentration), 1))
     F = problem.frame_prior.draw(rng, design)
     return State(tuple(z), F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
 
@@ -102,12 +113,13 @@ def draw_data(rng: np.random.Generator, problem: Problem, state: State) -> Probl
         replace(channel, features=_draw_features(rng, channel, state.z[c], state.mean[c], state.factor[c]))
         for c, channel in enumerate(design.channels)
     )
-    spoken = np.stack(
-        [
-            draw_categorical(rng, state.log_words[c][state.z[c][channel.speaker[design.word_trial]]])
-            for c, channel in enumerate(design.channels)
-        ]
-    )
+    said = [
+        draw_categorical(rng, state.log_words[c][state.z[c][channel.speaker[design.word_trial]]])
+        for c, channel in enumerate(design.channels)
+    ]
+    if problem.frame_prior.has_none:
+        said.append(draw_categorical(rng, np.repeat(state.log_words[-1], len(design.word_trial), axis=0)))
+    spoken = np.stack(said)
     if problem.frame_prior.has_frames:
         spoken = np.tile(spoken[state.F, np.arange(spoken.shape[1])], (len(channels), 1))
     return replace(problem, trials=replace(design, channels=channels, words=spoken))

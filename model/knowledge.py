@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from model.data import Floats
 from model.history import History
 from model.problem import Problem
 from model.state import Partition, State
@@ -34,7 +33,12 @@ def of_last(state: State) -> Knowledge:
 
 def of_summary(problem: Problem, summary: Summary, kept: History) -> Knowledge:
     """Posterior means at the summary: its partitions, and words that count for each channel as often as expected."""
-    return of_last(_means(kept.typical(problem), Partition(summary.z, summary.channels), summary.marginals))
+    from model.kernels.means import mean_orders, posterior_means
+
+    # The most probable channel of each word alone need be no frame: λ comes from the states' frames.
+    given = Partition(summary.z, kept.F[0])
+    means = posterior_means(kept.typical(problem), given, summary.marginals)
+    return of_last(replace(means, F=summary.channels, log_orders=mean_orders(problem, kept.F)))
 
 
 def of_history(problem: Problem, summary: Summary, kept: History) -> Knowledge:
@@ -43,15 +47,11 @@ def of_history(problem: Problem, summary: Summary, kept: History) -> Knowledge:
     A state stays as probable under other names, and without them a category of one state would be averaged with
     another of the next.
     """
+    from model.kernels.means import posterior_means
+
     pivot = [(z, prior.categories) for z, prior in zip(summary.z, problem.priors, strict=True)]
     states, chosen = [], kept.thinned(MOST_AVERAGED)
     for given, state in chosen.states(problem):
         z = tuple(aligned(own, reference, K) for own, (reference, K) in zip(state.z, pivot, strict=True))
-        states.append(_means(given, Partition(z, state.F)))
+        states.append(posterior_means(given, Partition(z, state.F)))
     return Knowledge(tuple(states), of_summary(problem, summary, kept).categories)
-
-
-def _means(problem: Problem, state: Partition, marginals: Floats | None = None) -> State:
-    from model.kernels.means import posterior_means
-
-    return posterior_means(problem, state, marginals)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from model.frames import Distinct, Every, FramePrior, Unlearned
+from model.open_frames import AnyOrNone, Once
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,11 @@ METHODS: dict[str, Method] = {
         Method("mmlda", "(C) mMLDA", Every()),
         # What the authors' program computes for mMLDA.
         Method("mmlda_released", "(C) as released", Unlearned(), is_model=False),
+        # Sentences as people say them (docs/sentences.md).
+        Method("proposed_open", "(A) with words of no channel", Once(none=True)),
+        Method("no_mec2_open", "(B) with words of no channel", AnyOrNone()),
+        Method("proposed_ordered", "(A) with word order", Once(ordered=True)),
+        Method("proposed_open_ordered", "(A) with words of no channel and word order", Once(none=True, ordered=True)),
         # The paper's reference ALL.
         Method("gmm", "ALL", Every(), hears_words=False),
     )

@@ -10,10 +10,14 @@ import numpy as np
 from model.data import Floats
 from model.distributions.gaussian_densities import gaussian_log_density
 from model.fits import Fit
-from model.log_space import log_sum, subset_log_products
+from model.frame_paths import orders_of
+from model.heard import Heard
+from model.log_space import log_sum
+from model.open_frames import Once
 from model.state import State
 
-LONGEST_INSTRUCTION = 12
+# Of the methods that take the longest.
+LONGEST_INSTRUCTION = Once.longest_instruction
 
 
 @dataclass(frozen=True)
@@ -57,7 +61,8 @@ def understand(fit: Fit, objects: Mapping[str, Floats], words: Sequence[str]) ->
     Args:
         fit: What was learned.
         objects: For each object channel the features (M, dim) of the objects on the table.
-        words: The instruction: any number of words up to `LONGEST_INSTRUCTION`, none included.
+        words: The instruction: any number of words up to the `longest_instruction` of the method's frame prior, none
+            included.
 
     Raises:
         ValueError: The instruction is too long, or there is no object.
@@ -65,18 +70,33 @@ def understand(fit: Fit, objects: Mapping[str, Floats], words: Sequence[str]) ->
     M = len(next(iter(objects.values())))
     if M == 0:
         raise ValueError("no object on the table: an instruction needs at least one")
-    if len(words) > LONGEST_INSTRUCTION:
-        raise ValueError(f"an instruction of {len(words)} words (at most {LONGEST_INSTRUCTION} are allowed)")
+    longest = fit.problem.frame_prior.longest_instruction
+    if len(words) > longest:
+        raise ValueError(f"an instruction of {len(words)} words (at most {longest} are allowed)")
     known = [fit.trials.vocabulary.index(word) for word in words if word in fit.trials.vocabulary]
     ignored = tuple(word for word in words if word not in fit.trials.vocabulary)
-    seen = [(fit.trials.index_of(channel), features) for channel, features in objects.items()]
 
     def log_scores(state: State) -> Floats:
-        action = state.log_weights[0][:, None] + subset_log_products(state.log_words[0][:, known])
-        by_object = [_object_sets(state, c, features, known) for c, features in seen]
-        return fit.problem.frame_prior.log_scores(action, by_object, len(fit.trials.vocabulary))
+        return fit.problem.frame_prior.log_scores(heard_as(fit, state, objects, known))
 
     return Answer(np.asarray(_averaged(fit, log_scores) - np.log(M)), ignored)
+
+
+def heard_as(fit: Fit, state: State, objects: Mapping[str, Floats], known: Sequence[int]) -> Heard:
+    """Known words, as indices into the vocabulary, as the categories of a state may have uttered them of objects."""
+    channels = (0, *(fit.trials.index_of(channel) for channel in objects))
+    spoken = [
+        responsibilities(state, c, features) for c, features in zip(channels[1:], objects.values(), strict=True)
+    ]
+    columns = list(known)
+    return Heard(
+        weights=(state.log_weights[0], *spoken),
+        words=tuple(state.log_words[c][:, columns] for c in channels),
+        channels=channels,
+        none=state.log_words[-1][0, columns] if fit.problem.frame_prior.has_none else np.empty(0),
+        orders=state.log_orders,
+        vocabulary=len(fit.trials.vocabulary),
+    )
 
 
 def describe(fit: Fit, channel: str, features: Floats) -> tuple[str, ...]:
@@ -104,16 +124,21 @@ def describe(fit: Fit, channel: str, features: Floats) -> tuple[str, ...]:
     return tuple(fit.trials.vocabulary[int(w)] for w in np.argmax(log_p, axis=1))
 
 
+def spoken_order(fit: Fit) -> tuple[str, ...] | None:
+    """The names of all channels in the order in which they are most probably said; None where it is not learned."""
+    states = fit.knowledge.states
+    if not len(states[0].log_orders):
+        return None
+    names = [channel.name for channel in fit.trials.channels]
+    share = np.mean([np.exp(state.log_orders) for state in states], axis=0)
+    whole = [s for s, order in enumerate(orders_of(len(names))) if len(order) == len(names)]
+    best = max(whole, key=lambda s: float(share[s]))  # the first of equals
+    return tuple(names[c] for c in orders_of(len(names))[best])
+
+
 def _averaged(fit: Fit, log_probability: Callable[[State], Floats]) -> Floats:
     """The logarithm of the mean of probabilities over the states that the tasks use."""
     values = [log_probability(state) for state in fit.knowledge.states]
     if len(values) == 1:
         return values[0]
     return np.asarray(log_sum(np.stack(values, axis=-1))[..., 0] - np.log(len(values)))
-
-
-def _object_sets(state: State, c: int, features: Floats, known: list[int]) -> Floats:
-    """(M, 2^N) log G_x(S) of each object and subset of the words, x being channel c."""
-    weights = responsibilities(state, c, features)
-    products = subset_log_products(state.log_words[c][:, known])
-    return np.asarray(log_sum(weights[:, None, :] + products.T[None])[..., 0])

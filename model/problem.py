@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from model.data import Flags, Ints, Trials
+from model.frame_paths import Paths
 from model.frames import FramePrior
 from model.methods import METHODS, Method
 from model.prior import LEARNED, GaussianPrior, Prior
@@ -43,7 +44,8 @@ class Problem:
         if len(long):
             raise ValueError(
                 f"{len(long)} sentences have more than {limit} words (rows {', '.join(map(str, long[:5]))} of the "
-                f"trials), the longest that method {self.method.name} explains: shorten them or use no_mec2 or mmlda"
+                f"trials), the longest that method {self.method.name} explains: shorten them or use proposed_open, "
+                "no_mec2 or mmlda"
             )
 
     @classmethod
@@ -62,6 +64,21 @@ class Problem:
     def frame_prior(self) -> FramePrior:
         """The prior of the frames."""
         return self.method.frame_prior
+
+    @property
+    def sources(self) -> int:
+        """Where words may come from: the channels, and behind them ∅ where the method has it."""
+        return self.frame_prior.sources(len(self.priors))
+
+    @property
+    def none_concentration(self) -> float:
+        """γ of the words of no channel: that of the first channel."""
+        return self.priors[0].word_concentration
+
+    @property
+    def paths(self) -> Paths | None:
+        """The states of the trials' frames, None for a method whose frames are listed."""
+        return self.frame_prior.paths(len(self.priors), max(1, self.trials.longest_sentence))
 
     @property
     def learns(self) -> bool:

@@ -28,7 +28,7 @@ class Summary:
             numbered in the order of their first elements.
         together: (N_x, N_x) share of the states in which two elements are in one category; None above
             `LARGEST_TOGETHER` elements.
-        marginals: (T, C) share of the states in which each channel explains a word; None without frames.
+        marginals: (T, sources) share of the states in which each channel, or ∅, explains a word; None without frames.
     """
 
     z: tuple[Ints, ...]
@@ -37,7 +37,7 @@ class Summary:
 
     @property
     def channels(self) -> Ints:
-        """(T,) the most probable channel of each word, the first of equals; empty without frames."""
+        """(T,) the most probable channel of each word, C for ∅, the first of equals; empty without frames."""
         if self.marginals is None:
             return np.empty(0, dtype=np.int64)
         return np.asarray(np.argmax(self.marginals, axis=1), dtype=np.int64)
@@ -53,10 +53,10 @@ def summarise(problem: Problem, kept: History) -> Summary:
 
 
 def word_marginals(problem: Problem, kept: History) -> Floats | None:
-    """(T, C) the share of the states in which each channel explains a word; None for a method without frames."""
+    """(T, sources) the share of the states in which each channel, or ∅, explains a word; None without frames."""
     if not problem.method.has_frames:
         return None
-    return np.stack([(kept.F == c).mean(axis=0) for c in range(len(problem.priors))], axis=1)
+    return np.stack([(kept.F == c).mean(axis=0) for c in range(problem.sources)], axis=1)
 
 
 def co_assignments(z: Ints) -> Floats | None:

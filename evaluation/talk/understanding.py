@@ -14,11 +14,14 @@ from evaluation.uncertain.answers import object_probabilities
 from features.table import FeatureTable
 from model import Fit
 from model.data import Floats
-from model.log_space import log_sum, subset_log_products
-from model.prediction import LONGEST_INSTRUCTION, Answer, responsibilities, understand
+from model.heard import Heard
+from model.log_space import log_sum
+from model.prediction import LONGEST_INSTRUCTION, Answer, heard_as, understand
 
 MOST_CHARACTERS = 1_000
 """A longer sentence is not read."""
+NO_CHANNEL = "no channel"
+"""What a word is of that the model has learned to be of none."""
 MOST_FRAMED = 8
 """Of more known words the channels are not told: the sum over their frames would take seconds."""
 
@@ -73,7 +76,7 @@ class Understanding:
         return tuple(sorted({m for m, _ in self.answer.choices()}))
 
 
-def words_of(sentence: str, vocabulary: Sequence[str]) -> tuple[str, ...]:
+def words_of(sentence: str, vocabulary: Sequence[str], most: int = LONGEST_INSTRUCTION) -> tuple[str, ...]:
     """The words of a sentence, as a vocabulary has them where it does whatever their case and punctuation.
 
     Raises:
@@ -82,8 +85,8 @@ def words_of(sentence: str, vocabulary: Sequence[str]) -> tuple[str, ...]:
     if len(sentence) > MOST_CHARACTERS:
         raise TalkError(f"a sentence of {len(sentence):,} characters (at most {MOST_CHARACTERS:,} are allowed)")
     said = sentence.split()
-    if len(said) > LONGEST_INSTRUCTION:
-        raise TalkError(f"a sentence of {len(said)} words (at most {LONGEST_INSTRUCTION} are allowed)")
+    if len(said) > most:
+        raise TalkError(f"a sentence of {len(said)} words (at most {most} are allowed)")
     known = {word.casefold(): word for word in reversed(vocabulary)}
     bare = [(word, word.strip(string.punctuation + "“”„’…")) for word in said]
     return tuple(
@@ -108,7 +111,8 @@ def hear(robot: Robot, table: FeatureTable, row: int, sentence: str) -> Understa
     """
     fit = robot.fit
     vocabulary = fit.trials.vocabulary
-    said, objects = words_of(sentence, vocabulary), objects_of(table, row)
+    said = words_of(sentence, vocabulary, fit.problem.frame_prior.longest_instruction)
+    objects = objects_of(table, row)
     answer = understand(fit, objects, said)
     known = [word for word in said if word in vocabulary]
     framed = fit.problem.method.has_frames and len(known) <= MOST_FRAMED
@@ -128,21 +132,21 @@ def hear(robot: Robot, table: FeatureTable, row: int, sentence: str) -> Understa
 
 
 def learned_channels(fit: Fit) -> dict[str, str | None]:
-    """By word, in alphabetical order, the channel that explained it most often; None where there are no frames."""
+    """By word, in alphabetical order, the channel that explained it most often, or none; None without frames."""
     trials = fit.trials
     if not fit.problem.method.has_frames:
         return dict.fromkeys(sorted(trials.vocabulary))
-    counts = np.zeros((len(trials.vocabulary), len(trials.channels)), dtype=np.int64)
+    counts = np.zeros((len(trials.vocabulary), fit.problem.sources), dtype=np.int64)
     np.add.at(counts, (trials.words[0], fit.state.F), 1)
-    names = [trials.channels[int(c)].name for c in counts.argmax(axis=1)]
-    return dict(sorted(zip(trials.vocabulary, names, strict=True)))
+    names = [*(channel.name for channel in trials.channels), NO_CHANNEL]
+    return dict(sorted(zip(trials.vocabulary, (names[int(c)] for c in counts.argmax(axis=1)), strict=True)))
 
 
 def word_channels(fit: Fit, objects: Mapping[str, Floats], words: Sequence[str]) -> list[dict[str, float]]:
     """The posterior of the channel of each word of an instruction: p(F_n = x | words, objects), the frame summed out.
 
     A channel explains word n in a frame whose set S_x holds n. So the sum over these frames is the score of the
-    instruction in which the sets of x that lack the word have probability 0.
+    instruction of which only these frames count.
 
     Args:
         fit: What was learned, by a method that has frames.
@@ -154,26 +158,17 @@ def word_channels(fit: Fit, objects: Mapping[str, Floats], words: Sequence[str])
     """
     names = [channel.name for channel in fit.trials.channels]
     known = [fit.trials.vocabulary.index(word) for word in words]
-    holds = [(np.arange(2 ** len(known)) >> n) & 1 == 1 for n in range(len(known))]
     joint = np.full((len(fit.knowledge.states), len(known), len(names)), -np.inf)
     total = np.full(len(fit.knowledge.states), -np.inf)
     for i, state in enumerate(fit.knowledge.states):
-        sets = [subset_log_products(log_words[:, known]) for log_words in state.log_words]
-        sets[0] = state.log_weights[0][:, None] + sets[0]
-        for channel, features in objects.items():
-            c = fit.trials.index_of(channel)
-            weights = responsibilities(state, c, features)
-            sets[c] = np.asarray(log_sum(weights[:, None, :] + sets[c].T[None])[..., 0])
-        total[i] = _score(fit, sets)
-        for n, holding in enumerate(holds):
-            for c in range(len(names)):
-                kept = [np.where(holding, own, -np.inf) if c == x else own for x, own in enumerate(sets)]
-                joint[i, n, c] = _score(fit, kept)
+        heard = heard_as(fit, state, objects, known)
+        total[i] = _score(fit, heard)
+        for n, c in np.ndindex(joint.shape[1:]):
+            joint[i, n, c] = _score(fit, heard._replace(only=(n, c)))
     share = np.exp(log_sum(joint.transpose(1, 2, 0))[..., 0] - log_sum(total))
     return [dict(zip(names, row, strict=True)) for row in np.clip(share, 0.0, 1.0).tolist()]
 
 
-def _score(fit: Fit, sets: Sequence[Floats]) -> float:
-    """The log probability of an instruction, over all objects and action categories, of the sets of each channel."""
-    scores = fit.problem.frame_prior.log_scores(sets[0], sets[1:], len(fit.trials.vocabulary))
-    return float(log_sum(scores.ravel())[0])
+def _score(fit: Fit, heard: Heard) -> float:
+    """The log probability of an instruction, over all objects and action categories."""
+    return float(log_sum(fit.problem.frame_prior.log_scores(heard).ravel())[0])

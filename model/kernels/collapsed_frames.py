@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -12,49 +11,26 @@ from model.compiled import compiled
 from model.data import Floats, Ints
 from model.distributions.dirichlet import draw_index
 from model.frames import FrameList
-from model.kernels.words import word_counts
+from model.kernels.collapsed_paths import swept_along_paths
+from model.kernels.word_table import WordTable, count_part, word_table
 from model.problem import Problem
 
 # Sentences of a method whose frames factorise are drawn in parts of at most this many words.
 MOST_JOINT_WORDS = 4
 
 
-class WordTable(NamedTuple):
-    """The word counts of all L = K_a + K_p + K_o + K_c categories, one below the other.
-
-    Attributes:
-        counts: (L, W) n_{l,w}.
-        totals: (L,) sums over the vocabulary.
-        gamma: (L,) γ of each category's channel.
-        row: (C, T) the row of each word, should its frame point at channel c.
-    """
-
-    counts: Floats
-    totals: Floats
-    gamma: Floats
-    row: Ints
-
-
 def sweep_frames(rng: np.random.Generator, problem: Problem, z: Sequence[Ints], F: Ints, temperature: float) -> Ints:
     """Draw F (T,) sentence by sentence given z and the frames of all other sentences; see `sweep_assignments`."""
     if len(F) == 0:
         return F
+    paths = problem.paths
+    if paths is not None and paths.once:
+        table, bounds = word_table(problem, z, F), problem.trials.sentence_bounds
+        return swept_along_paths(rng, F, temperature, problem.trials.words[0], bounds, table, paths)
     trials, allowed = problem.trials, problem.frame_prior.listed(problem.trials, MOST_JOINT_WORDS)
     return _swept_frames(
         rng, F, temperature, trials.words[0], trials.sentence_bounds, word_table(problem, z, F), allowed
     )
-
-
-def word_table(problem: Problem, z: Sequence[Ints], F: Ints) -> WordTable:
-    """The word counts of the categories of all channels."""
-    counts, gamma, rows, first = [], [], [], 0
-    for c, prior in enumerate(problem.priors):
-        counts.append(word_counts(problem, c, z[c], F))
-        gamma += [prior.word_concentration] * prior.categories
-        rows.append(first + z[c][problem.trials.word_speaker[c]])
-        first += prior.categories
-    table = np.concatenate(counts)
-    return WordTable(table, table.sum(axis=1), np.array(gamma), np.stack(rows))
 
 
 @compiled
@@ -87,6 +63,7 @@ def _swept_frames(
             length = min(longest, bounds[d + 1] - start)
             count_part(table, words, F, start, length, -1.0)
             log_weights = grown_log_weights(table, words, start, length, allowed)
+            add_log_prior(log_weights, F, bounds[d], bounds[d + 1], start, length, allowed)
             chosen = allowed.bounds[length] + draw_index(rng, log_weights / temperature)
             for n in range(length):
                 F[start + n] = allowed.frames[chosen, n]
@@ -133,9 +110,28 @@ def grown_log_weights(table: WordTable, words: Ints, start: int, length: int, al
 
 
 @compiled
-def count_part(table: WordTable, words: Ints, F: Ints, start: int, length: int, change: float) -> None:
-    """Add `change` for the words start to start + length − 1, under their frames, to the table."""
-    for t in range(start, start + length):
-        row = table.row[F[t], t]
-        table.counts[row, words[t]] += change
-        table.totals[row] += change
+def add_log_prior(
+    log_weights: Floats, F: Ints, first: int, last: int, start: int, length: int, allowed: FrameList
+) -> None:
+    """Add the log prior of each frame of a part, where frames are not all alike; those of the other words are F.
+
+    Args:
+        log_weights: (frames,) of the words start to start + length − 1.
+        F: (T,) frames.
+        first: The first word of the sentence.
+        last: Behind its last word.
+        start: The first word of the part.
+        length: Words of the part.
+        allowed: The frames.
+    """
+    if len(allowed.log_named) == 0:
+        return
+    none, named = allowed.frames.max(), 0  # ∅ is the last of the sources
+    for t in range(first, last):
+        if not start <= t < start + length:
+            named += F[t] < none
+    for f in range(len(log_weights)):
+        more = 0
+        for n in range(length):
+            more += allowed.frames[allowed.bounds[length] + f, n] < none
+        log_weights[f] += allowed.log_named[last - first, named + more]

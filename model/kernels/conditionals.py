@@ -12,7 +12,9 @@ from model.data import Flags, Floats, Ints
 from model.distributions.dirichlet import draw_index, draw_log_dirichlet
 from model.distributions.gaussian_densities import gaussian_log_density
 from model.distributions.gaussians import draw_posterior_gaussians
+from model.frame_paths import Paths
 from model.frames import FrameList
+from model.kernels.frame_paths import count_states, draw_path, end_log_weights, last_state
 from model.prior import Prior
 from model.problem import Problem
 from model.state import State
@@ -78,11 +80,16 @@ def draw_categories(
 # F_d: equation (25)
 
 
-def draw_frames(rng: np.random.Generator, problem: Problem, log_weights: Floats) -> Ints:
-    """Draw F (T,) given `words.word_log_weights`: whole frames, or word by word where the prior factorises."""
+def draw_frames(rng: np.random.Generator, problem: Problem, log_weights: Floats, F: Ints) -> Ints:
+    """Draw F (T,) given `words.word_log_weights`: whole frames, or word by word where the prior factorises.
+
+    Where λ is learned, each sentence's given the frames of all others, of which F are the present ones.
+    """
     if not problem.frame_prior.has_frames:
         return np.empty(0, dtype=np.int64)
-    trials = problem.trials
+    trials, paths = problem.trials, problem.paths
+    if paths is not None:
+        return _draw_along_paths(rng, paths, log_weights, F, trials.sentence_bounds)
     return _draw_frames(rng, log_weights, trials.sentence_bounds, problem.frame_prior.listed(trials, 1))
 
 
@@ -97,6 +104,18 @@ def _draw_frames(rng: np.random.Generator, log_weights: Floats, bounds: Ints, al
             chosen = draw_index(rng, _frame_log_weights(log_weights, start, length, allowed))
             for n in range(length):
                 F[start + n] = allowed.frames[allowed.bounds[length] + chosen, n]
+    return F
+
+
+@compiled
+def _draw_along_paths(rng: np.random.Generator, paths: Paths, log_weights: Floats, F: Ints, bounds: Ints) -> Ints:
+    """Draw F (T,) sentence by sentence, words bounds[d] to bounds[d + 1] − 1."""
+    F, counts = F.copy(), count_states(paths, F, bounds)
+    for d in range(len(bounds) - 1):
+        first, last = bounds[d], bounds[d + 1]
+        counts[last_state(paths, F, first, last)] -= 1
+        draw_path(rng, paths, log_weights[first:last], end_log_weights(paths, last - first, counts), F[first:last])
+        counts[last_state(paths, F, first, last)] += 1
     return F
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.data import Floats
+from model.data import Floats, Ints
 from model.distributions.gaussians import gaussian_posterior
-from model.kernels.words import weighted_word_counts
+from model.frame_paths import log_mean_orders
+from model.kernels.frame_paths import count_states
+from model.kernels.words import none_counts, weighted_word_counts
 from model.problem import Problem
 from model.state import Partition, State
 
@@ -19,7 +21,7 @@ def posterior_means(problem: Problem, state: Partition, marginals: Floats | None
     Args:
         problem: Data, method and hyperparameters.
         state: z and F.
-        marginals: (T, C) how much of each word each channel explains where F is not certain; else it is as F says.
+        marginals: (T, sources) how much of each word each source explains where F is not certain; else as F says.
     """
     log_weights, mean, factor, log_words = [], [], [], []
     for c, (channel, prior) in enumerate(zip(problem.trials.channels, problem.priors, strict=True)):
@@ -32,7 +34,22 @@ def posterior_means(problem: Problem, state: Partition, marginals: Floats | None
         mean.append(posterior.mean)
         factor.append(np.ascontiguousarray(posterior.upper.transpose(0, 2, 1)) / np.sqrt(divisor)[:, None, None])
         log_words.append(_log_means(prior.word_concentration + counts))
-    return State(state.z, state.F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
+    C = len(problem.priors)
+    if problem.frame_prior.has_none:
+        of_none = np.equal(state.F, C).astype(np.float64) if marginals is None else marginals[:, C].copy()
+        log_words.append(_log_means(problem.none_concentration + none_counts(problem, of_none)))
+    log_orders = mean_orders(problem, state.F)
+    return State(state.z, state.F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words), log_orders)
+
+
+def mean_orders(problem: Problem, F: Ints) -> Floats:
+    """(S,) log of the posterior mean of λ given F; the mean over several F (H, T). Empty where it is not learned."""
+    paths = problem.paths
+    if paths is None or not paths.learned:
+        return np.empty(0)
+    bounds = problem.trials.sentence_bounds
+    counts = np.mean([count_states(paths, row, bounds) for row in np.atleast_2d(F)], axis=0)
+    return log_mean_orders(paths, counts)
 
 
 def _log_means(concentration: Floats) -> Floats:

@@ -36,8 +36,20 @@ def word_concentration(problem: Problem, c: int, z: Ints, F: Ints) -> Floats:
     return problem.priors[c].word_concentration + word_counts(problem, c, z, F)
 
 
+def none_counts(problem: Problem, weights: Floats) -> Floats:
+    """(1, W) how often each word is of no channel, as `weights` (T,) say, 0 to 1."""
+    W = len(problem.trials.vocabulary)
+    return np.bincount(problem.trials.words[0], weights, minlength=W).astype(np.float64)[None]
+
+
+def none_concentration(problem: Problem, F: Ints) -> Floats:
+    """(1, W) parameters of θ^∅ | F ~ Dir(γ + n^∅_1, …, γ + n^∅_W)."""
+    return problem.none_concentration + none_counts(problem, np.equal(F, len(problem.priors)).astype(np.float64))
+
+
 def word_log_weights(problem: Problem, z: tuple[Ints, ...], log_words: tuple[Floats, ...]) -> Floats:
-    """(T, C) log θ^x_{z, w} of each word under each channel x, z the category of the channel's speaker."""
+    """(T, sources) log θ^x_{z, w} of each word under each channel x, z that of the channel's speaker, and under ∅."""
     trials = problem.trials
     columns = [log_words[c][z[c][trials.word_speaker[c]], trials.words[c]] for c in range(len(trials.channels))]
+    columns += [log_none[0, trials.words[0]] for log_none in log_words[len(columns) :]]
     return np.ascontiguousarray(np.stack(columns, axis=1))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -52,6 +53,8 @@ class Blocked(Sampler[State]):
             mean.append(centres)
             factor.append(np.tile(np.sqrt(self.start_scale) * np.eye(channel.dim), (K, 1, 1)))
             log_words.append(draw_log_dirichlet(rng, np.full((K, W), prior.word_concentration), 1))
+        if problem.frame_prior.has_none:
+            log_words.append(draw_log_dirichlet(rng, np.full((1, W), problem.none_concentration), 1))
         F = problem.frame_prior.draw(rng, problem.trials)
         return State(tuple(z), F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
 
@@ -74,11 +77,13 @@ class Blocked(Sampler[State]):
             factor.append(drawn[1])
         F = state.F
         if problem.frame_prior.has_frames:
-            F = given.draw_frames(rng, problem, words.word_log_weights(problem, tuple(z), state.log_words))
+            F = given.draw_frames(rng, problem, words.word_log_weights(problem, tuple(z), state.log_words), F)
         log_words = []
         for c in range(len(z)):
             concentration = words.word_concentration(problem, c, z[c], F)
             log_words.append(draw_log_dirichlet(rng, concentration, self.averaged_draws))
+        if problem.frame_prior.has_none:
+            log_words.append(draw_log_dirichlet(rng, words.none_concentration(problem, F), self.averaged_draws))
         return State(tuple(z), F, tuple(log_weights), tuple(mean), tuple(factor), tuple(log_words))
 
     def learn(self, rng: np.random.Generator, problem: Problem, state: State, iteration: int) -> Problem:
@@ -88,5 +93,7 @@ class Blocked(Sampler[State]):
         return draw_given_gaussians(rng, problem, state)
 
     def finish(self, problem: Problem, state: State) -> State:
-        """Return the state as it is."""
-        return state
+        """Return the state as it is, with λ where orders are learned: no step draws it."""
+        from model.kernels.means import mean_orders
+
+        return replace(state, log_orders=mean_orders(problem, state.F))

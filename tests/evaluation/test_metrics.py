@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from evaluation.metrics import adjusted_rand_index, channel_by_word, estimation_accuracy_rate
+from evaluation.metrics import (
+    adjusted_rand_index,
+    channel_by_word,
+    estimation_accuracy_rate,
+    precision_and_recall,
+)
 
 
 def test_ari_is_one_up_to_names_and_zero_for_one_category() -> None:
@@ -49,3 +54,15 @@ def test_ear_is_undefined_without_words() -> None:
 def test_the_true_channel_of_each_word() -> None:
     words = {"color": ["red"], "action": ["grasp", "touch"]}
     assert channel_by_word(words, ["action", "color"]) == {"red": 1, "grasp": 0, "touch": 0}
+
+
+def test_words_of_no_channel_are_behind_the_channels() -> None:
+    assert channel_by_word({"color": ["red"], "none": ["the"]}, ["action", "color"]) == {"red": 1, "the": 2}
+
+
+def test_precision_and_recall_leave_out_words_of_unknown_channel() -> None:
+    F = np.array([2, 2, 2, 0, 1, 2])
+    assert precision_and_recall(F, [2, 2, 0, 2, 1, None], 2) == (2 / 3, 2 / 3)
+    assert precision_and_recall(F[:3], [2, 2, 0], 2) == (2 / 3, 1.0)
+    assert precision_and_recall(F[3:5], [2, 1], 2) == (None, 0.0)
+    assert precision_and_recall(F[:1], [0], 2) == (0.0, None)

@@ -107,8 +107,9 @@ def test_the_truth_has_a_log_joint_of_its_own(proposed: Fit, table: FeatureTable
 def test_without_kept_states_measures_of_the_summary_are_empty(proposed: Fit, table: FeatureTable) -> None:
     measures = measured("csl", Learned(replace(proposed, history=None, summary=None), table), WORDS)
     empty = {name for name, value in measures.items() if value is None}
-    assert empty == {name for name in measures if name.endswith(("_low", "_high", "_summary", "_mode", "_entropy"))}
-    assert len(empty) == 8 + 2 + 7 + 1 + 1
+    without = {name for name in measures if name.endswith(("_low", "_high", "_summary", "_mode", "_entropy"))}
+    assert empty == without | {"none_precision", "none_recall"}  # of no method that gives every word a channel
+    assert len(empty) == 8 + 2 + 7 + 1 + 1 + 2
 
 
 @pytest.mark.parametrize(("method", "words"), [("mmlda", True), ("proposed", False), ("gmm", False)])
@@ -133,3 +134,20 @@ def test_a_file_with_other_columns_is_refused(out: Path) -> None:
     pd.DataFrame({"measure": ["EAR"]}).to_csv(out / "a.csv", index=False)
     with pytest.raises(ValueError, match=r"a\.csv: columns"):
         read_scores([out / "a.csv"])
+
+
+def test_words_of_no_channel_count_as_any_other(table: FeatureTable) -> None:
+    """Two words of each sentence are of no channel in truth; one in the fit, and another that is of a channel."""
+    none = [*WORDS["action"], *WORDS["color"]]
+    words = {channel: WORDS[channel] for channel in ("position", "object")} | {"none": none}
+    open_fit = fit_of(table, "proposed_open")
+    true_channel = {word: c for c, name in ((1, "position"), (2, "object")) for word in WORDS[name]}
+    said = [open_fit.trials.vocabulary[w] for w in open_fit.trials.words[0]]
+    right = np.array([true_channel.get(word, 4) for word in said])
+    assert right.tolist().count(4) == len(right) / 2
+    wrong = np.where([word in WORDS["action"] for word in said], 3, right)
+    wrong = np.where([word in WORDS["object"] for word in said], 4, wrong)
+    for F, expected in ((right, (1.0, 1.0, 1.0)), (wrong, (0.5, 0.5, 0.5))):
+        learned = Learned(replace(open_fit, state=replace(open_fit.state, F=F)), table)
+        measures = measured("csl", learned, words)
+        assert (measures["EAR"], measures["none_precision"], measures["none_recall"]) == expected

@@ -87,7 +87,14 @@ def test_it_is_not_defined_where_frames_do_not_allow_it(table: FeatureTable, met
     sentence = (*(word for word in table.words[0] if word not in WORDS["color"]), WORDS["object"][0])
     twice = replace(table, words=(sentence, *table.words[1:]))
     found = truth_log_joint(problem_of(twice, method), twice, WORDS)
-    assert (found is None) == (method == "proposed")
+    assert (found is None) == (METHODS[method].frame_prior.most_per_channel == 1)
     strange = replace(table, words=(("hello",), *table.words[1:]))
     found = truth_log_joint(problem_of(strange, method), strange, WORDS)
     assert (found is None) == METHODS[method].has_frames
+
+
+@pytest.mark.parametrize("method", [name for name, method in METHODS.items() if method.has_frames])
+def test_words_of_no_channel_are_a_state_of_methods_that_have_such(table: FeatureTable, method: str) -> None:
+    said = replace(table, words=(("hello", *table.words[0][:2]), *table.words[1:]))
+    found = truth_log_joint(problem_of(said, method), said, WORDS | {"none": ["hello"]})
+    assert (found is not None) == METHODS[method].frame_prior.has_none

@@ -14,6 +14,7 @@ from model.distributions.gaussians import gaussian_posterior
 from model.kernels import collapsed_assignments as assignments
 from model.kernels import collapsed_frames as frames
 from model.kernels.conditionals import weights_concentration
+from model.kernels.word_table import count_part, word_table
 from model.kernels.words import word_counts
 from model.log_space import log_sum
 
@@ -31,7 +32,10 @@ def categories_log_density(problem: Problem, c: int, z: Ints, mean: Floats, fact
 
 
 def frames_log_probability(problem: Problem, log_weights: Floats, F: Ints) -> float:
-    """Log probability of F given `words.word_log_weights`."""
+    """Log probability of F given `words.word_log_weights`; up to a constant where sentences are drawn along paths."""
+    if problem.paths is not None:
+        said = log_weights[np.arange(len(F)), F].sum()
+        return float(problem.frame_prior.log_probability(problem.trials, F) + said)
     allowed, total = problem.frame_prior.listed(problem.trials, 1), 0.0
     longest, bounds = allowed.frames.shape[1], problem.trials.sentence_bounds
     for first, last in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
@@ -57,6 +61,10 @@ def element_log_weights(problem: Problem, c: int, z: Ints, F: Ints, i: int) -> F
 def part_log_weights(problem: Problem, z: Sequence[Ints], F: Ints, start: int, length: int) -> Floats:
     """(frames,) unnormalised log p(F = f | …) for the words start to start + length − 1, as `sweep_frames` draws."""
     allowed = problem.frame_prior.listed(problem.trials, frames.MOST_JOINT_WORDS)
-    words, table = problem.trials.words[0], frames.word_table(problem, z, F)
-    frames.count_part(table, words, F, start, length, -1.0)
-    return frames.grown_log_weights(table, words, start, length, allowed)
+    words, table = problem.trials.words[0], word_table(problem, z, F)
+    count_part(table, words, F, start, length, -1.0)
+    log_weights = frames.grown_log_weights(table, words, start, length, allowed)
+    d = int(problem.trials.word_trial[start])
+    first, last = problem.trials.sentence_bounds[d : d + 2].tolist()
+    frames.add_log_prior(log_weights, F, first, last, start, length, allowed)
+    return log_weights

@@ -32,7 +32,12 @@ PRIORS = (
     Prior(categories=CATEGORIES, mean_precision=0.5, scale=0.5, extra_degrees_of_freedom=3.0, word_concentration=0.3),
 ) * 2
 # Objects and words per trial.
-SHAPES = {"usual": ([2, 1, 1], [2, 1, 2]), "long sentence": ([1, 1], [8, 1]), "many objects": ([6], [1])}
+SHAPES = {
+    "usual": ([2, 1, 1], [2, 1, 2]),
+    "long sentence": ([1, 1], [8, 1]),
+    "many objects": ([6], [1]),
+    "word said twice": ([1, 1], [3, 2]),
+}
 # What a step does, with a number drawn uniformly from [0, 1) to choose a channel or a word by.
 Step = Callable[[np.random.Generator, Any, Any, float], None]
 
@@ -157,7 +162,7 @@ def tiny(method: str, power: float, shape: str = "usual") -> Tiny:
         zs[:, c, :size] = labels[:, first : first + size]
     Fs = np.array([F for _, F in states], dtype=np.int64).reshape(len(states), -1)
     whole = Tiny(problem, setup, zs, Fs, np.empty(0), np.empty(0, dtype=np.int64))
-    log_p = _log_masses(setup, whole.tables(), zs, Fs)
+    log_p = _log_masses(setup, whole.tables(), zs, Fs) + _log_frames(problem, Fs)
     p = np.exp(log_p - log_p.max())
     return Tiny(problem, setup, zs, Fs, p / p.sum(), kinds(sizes, zs, Fs))
 
@@ -171,6 +176,14 @@ def kinds(sizes: list[int], zs: Ints, Fs: Ints) -> Ints:
         parts.append((z[:, :, None] == z[:, None, :]).argmax(axis=2))
     rows = np.concatenate(parts, axis=1)
     return np.asarray(rows @ (10 ** np.arange(rows.shape[1])), dtype=np.int64)
+
+
+def _log_frames(problem: Problem, Fs: Ints) -> Floats:
+    """(S,) log p(F), which the tables know only where they follow from it."""
+    if not problem.frame_prior.has_frames:
+        return np.zeros(len(Fs))
+    different, which = np.unique(Fs, axis=0, return_inverse=True)
+    return np.array([problem.frame_prior.log_probability(problem.trials, F) for F in different])[which.ravel()]
 
 
 def _frames(problem: Problem) -> Iterator[tuple[int, ...]]:

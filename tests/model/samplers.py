@@ -16,7 +16,9 @@ from model.distributions.gaussian_densities import gaussian_log_marginal
 from model.distributions.gaussians import gaussian_posterior
 from model.joint import draw_data, draw_parameters
 from model.kernels import collapsed_assignments, collapsed_frames, conditionals, words
-from model.kernels.words import word_counts
+from model.kernels.frame_paths import count_states
+from model.kernels.words import none_counts, word_counts
+from model.open_frames import Once
 from model.state import Partition
 from tests.synthetic import trials_of_model
 
@@ -92,6 +94,16 @@ def quantities(problem: Problem, state: Partition) -> Floats:
             result += [np.exp(state.log_words[c][k, words[0]]), np.sum(np.exp(2.0 * state.log_words[c][k]))]
     if problem.learns:
         result += np.log(problem.mean_precision).tolist()
+    if problem.frame_prior.has_none:
+        of_none = state.F == len(problem.priors)
+        counts = none_counts(problem, of_none.astype(np.float64))
+        result += [of_none.mean(), of_none[0], (counts**2).sum(), count_log_marginal(counts, 0.3)]
+        if isinstance(state, State):
+            result += [np.exp(state.log_words[-1][0, 0]), np.sum(np.exp(2.0 * state.log_words[-1]))]
+    if problem.paths is not None:
+        states = count_states(problem.paths, state.F, problem.trials.sentence_bounds)
+        result += [(states**2).sum(), problem.paths.size @ states, states[1]]
+        result += [(states[problem.paths.size > 1] ** 2).sum()]
     return np.array(result, dtype=np.float64)
 
 
@@ -135,6 +147,22 @@ def _frames_at_random(right: Callable[..., Any]) -> Callable[..., Any]:
     return lambda rng, problem, *rest: problem.frame_prior.draw(rng, problem.trials)
 
 
+def _none_without_counts(right: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda problem, F: np.full((1, len(problem.trials.vocabulary)), problem.none_concentration)
+
+
+def _order_forgotten(right: Callable[..., Any]) -> Callable[..., Any]:
+    """Frames are drawn as if their order were not learned."""
+
+    def broken(rng: np.random.Generator, problem: Problem, *rest: Any) -> Any:
+        prior = problem.frame_prior
+        assert isinstance(prior, Once)
+        method = replace(problem.method, frame_prior=Once(prior.none))
+        return right(rng, replace(problem, method=method), *rest)
+
+    return broken
+
+
 def _too_hot(right: Callable[..., Any]) -> Callable[..., Any]:
     return lambda *arguments: right(*arguments[:-1], 2.0)
 
@@ -147,6 +175,8 @@ BROKEN: dict[str, dict[str, tuple[Any, str, Breaker]]] = {
         "φ with another κ0": (conditionals, "draw_categories", _with_prior(mean_precision=3.0)),
         "F is deaf": (conditionals, "draw_frames", _frames_at_random),
         "θ never learns": (words, "word_concentration", _without_counts),
+        "θ of ∅ never learns": (words, "none_concentration", _none_without_counts),
+        "order is forgotten": (conditionals, "draw_frames", _order_forgotten),
     },
     "collapsed": {
         "z with another α": (collapsed_assignments, "sweep_assignments", _with_prior(concentration=4.0)),
@@ -155,7 +185,19 @@ BROKEN: dict[str, dict[str, tuple[Any, str, Breaker]]] = {
         "z too hot": (collapsed_assignments, "sweep_assignments", _too_hot),
         "F is deaf": (collapsed_frames, "sweep_frames", _frames_at_random),
         "F too hot": (collapsed_frames, "sweep_frames", _too_hot),
+        "order is forgotten": (collapsed_frames, "sweep_frames", _order_forgotten),
     },
 }
-# Without frames there is none to break.
-ONLY_WITH_FRAMES = ("F is deaf", "F too hot")
+
+
+def can_break(name: str, broken: str) -> bool:
+    """Whether a method has what a broken kernel breaks."""
+    prior = METHODS[name].frame_prior
+    needed = {
+        "F is deaf": prior.has_frames,
+        "F too hot": prior.has_frames,
+        "θ of ∅ never learns": prior.has_none,
+        # Where words may be of no channel too few sentences of the tiny models name two for it to be seen.
+        "order is forgotten": isinstance(prior, Once) and prior.ordered and not prior.none,
+    }
+    return needed.get(broken, True)

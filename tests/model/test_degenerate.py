@@ -54,8 +54,8 @@ some_priors = st.builds(
 
 def check(trials: Trials, prior: Prior, method: str, sampler: Sampler[Any], seed: int) -> None:
     """A fit of a few iterations is finite and in range, or refused for a sentence that is too long."""
-    too_long = trials.sentence_lengths.max() > len(trials.channels)
-    if method == "proposed" and too_long:
+    prior_of_frames, C = METHODS[method].frame_prior, len(trials.channels)
+    if trials.sentence_lengths.max() > prior_of_frames.word_limit(C):
         with pytest.raises(ValueError, match="sentences have more than"):
             Problem.of(trials, method, prior)
         return
@@ -69,7 +69,7 @@ def check(trials: Trials, prior: Prior, method: str, sampler: Sampler[Any], seed
             assert np.all(np.isfinite(array))
         assert np.diagonal(state.factor[c], axis1=1, axis2=2).min() > 0
     if METHODS[method].has_frames and len(trials.word_trial):
-        assert set(np.unique(state.F)) <= set(range(len(trials.channels)))
+        assert set(np.unique(state.F)) <= set(range(prior_of_frames.sources(C)))
 
 
 ONE_TRIAL = Trials.from_arrays(np.zeros((1, 2)), {"color": np.zeros((1, 1))}, [0], [0], [[]])

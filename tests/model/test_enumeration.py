@@ -104,4 +104,6 @@ def test_a_broken_kernel_is_noticed(
     values = every_state(tiny)
     module, name, breaker = BROKEN[sampler][broken]
     monkeypatch.setattr(module, name, breaker(getattr(module, name)))
-    assert distances(sampled(tiny, sampler, values, 3000), exact_means(values)).max() > LIMIT
+    # Where words may be of no channel they tell less of the categories.
+    steps = 9000 if tiny.frame_prior.has_none else 3000
+    assert distances(sampled(tiny, sampler, values, steps), exact_means(values)).max() > LIMIT

@@ -29,7 +29,7 @@ Kind = type[Sampler[Any]]
 
 
 def arrays_of(state: State) -> list[np.ndarray]:
-    return [*state.z, *state.log_weights, *state.mean, *state.factor, *state.log_words, state.F]
+    return [*state.z, *state.log_weights, *state.mean, *state.factor, *state.log_words, state.F, state.log_orders]
 
 
 @pytest.mark.parametrize(("method", "kind"), TAKEN)
@@ -52,6 +52,11 @@ def test_trace_is_the_log_joint_and_the_state_its_last(
         assert np.exp(result.state.log_weights[c]).sum() == pytest.approx(1.0)
         assert np.exp(result.state.log_words[c]).sum(axis=1) == pytest.approx(np.ones(prior.categories))
         assert result.state.factor[c] == pytest.approx(np.tril(result.state.factor[c]))
+    assert len(result.state.log_words) == problem.sources
+    assert np.exp(result.state.log_words[-1]).sum(axis=1) == pytest.approx(1.0)
+    if len(result.state.log_orders):
+        # λ of the orders of 0, 1, 2 and 3 channels.
+        assert np.exp(result.state.log_orders).sum() == pytest.approx(4.0)
 
 
 def test_only_samplers_that_need_no_model_take_what_is_none(trials: Trials, kind: Kind) -> None:

@@ -71,5 +71,5 @@ def _with(z: Ints, i: int, k: int) -> Ints:
 def test_every_word_is_explained_once_or_by_every_channel(name: str, trials: Trials) -> None:
     prior = METHODS[name].frame_prior
     F = prior.draw(np.random.default_rng(0), trials)
-    by_channel = [prior.explained(trials, F, c) for c in range(3)]
+    by_channel = [prior.explained(trials, F, c) for c in range(prior.sources(3))]
     assert np.all(np.sum(by_channel, axis=0) == (3 if type(prior) is Every else 1))

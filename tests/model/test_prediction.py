@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import permutations, product
 from pathlib import Path
@@ -11,9 +12,11 @@ import pytest
 from scipy.special import logsumexp
 
 from model import Blocked, Fit, Prior, Problem, Trials, fit, load, save
-from model.data import Floats
+from model.data import Floats, Ints
 from model.distributions.gaussian_densities import gaussian_log_density
-from model.prediction import LONGEST_INSTRUCTION, Answer, describe, responsibilities, understand
+from model.frame_paths import orders_of
+from model.open_frames import Once
+from model.prediction import Answer, describe, responsibilities, spoken_order, understand
 
 
 @pytest.fixture
@@ -40,17 +43,38 @@ def joint_of_all_objects(learned: Fit, scene: dict[str, Floats]) -> list[Floats]
 
 def log_words_given_frames(learned: Fit, z: tuple[int, ...], words: list[int]) -> float:
     """Log Σ_f λ_f ∏ p(word | f): every frame of the method listed, z the categories of the three channels."""
-    theta = [learned.state.log_words[c][k] for c, k in enumerate(z)]
     C, N, W = len(z), len(words), len(learned.trials.vocabulary)
     frame_prior = learned.problem.frame_prior
+    theta = np.full((C + 1, N), -np.log(W))  # surplus words are as probable as any
+    for c, k in enumerate(z):
+        theta[c] = learned.state.log_words[c][k, words]
     if not frame_prior.has_frames:
-        return float(sum(theta[c][w] for c in range(C) for w in words))
+        return float(theta[:C].sum())
+    if frame_prior.has_none:
+        theta[C] = learned.state.log_words[C][0, words]
     if N <= frame_prior.word_limit(C):
-        frames = [list(enumerate(f)) for f in frame_prior.allowed(C, N)]
+        frames = frame_prior.allowed(C, N)
     else:
-        frames = [[(n, c) for c, n in enumerate(chosen)] for chosen in permutations(range(N), C)]
-    terms = [sum(theta[c][words[n]] for n, c in frame) - (N - len(frame)) * np.log(W) for frame in frames]
-    return float(logsumexp(terms) - np.log(len(frames)))
+        frames = np.full((math.perm(N, C), N), C)
+        for frame, chosen in zip(frames, permutations(range(N), C), strict=True):
+            frame[list(chosen)] = np.arange(C)
+    log_frames = np.array([log_frame(learned, frame, C) for frame in frames])
+    assert logsumexp(log_frames) == pytest.approx(0.0, abs=1e-12)
+    return float(logsumexp(log_frames + theta[frames, np.arange(N)].sum(axis=1)))
+
+
+def log_frame(learned: Fit, frame: Ints, C: int) -> float:
+    """Log λ_f as the methods are defined."""
+    prior, N = learned.problem.frame_prior, len(frame)
+    order = tuple(frame[frame < C].tolist())
+    most, j = min(C, N), len(order)
+    if not isinstance(prior, Once):
+        named = -np.log((N + 1) * math.comb(N, j) * float(C) ** j)
+        return float(named if prior.has_none else -np.log(prior.count(C, N)))
+    places = -np.log(math.comb(N, j)) - (np.log(most + 1) if prior.none else 0.0)
+    if not prior.ordered:
+        return float(places - np.log(math.perm(C, j)))
+    return float(places + learned.state.log_orders[orders_of(C).index(order)])
 
 
 def direct(learned: Fit, scene: dict[str, Floats], words: list[int]) -> Floats:
@@ -81,11 +105,25 @@ def test_scores_are_the_direct_sum(learned: Fit, scene: dict[str, Floats], N: in
     assert answer.probabilities.sum() == pytest.approx(1.0)
 
 
-def test_the_order_of_the_words_does_not_matter(learned: Fit, scene: dict[str, Floats]) -> None:
-    words = list(learned.trials.vocabulary[:3])
-    for order in permutations(words):
-        expected = understand(learned, scene, words).log_scores
-        assert understand(learned, scene, order).log_scores == pytest.approx(expected)
+def test_the_order_of_the_words_matters_only_where_it_is_learned(learned: Fit, scene: dict[str, Floats]) -> None:
+    prior, words = learned.problem.frame_prior, list(learned.trials.vocabulary[:3])
+    scores = [understand(learned, scene, order).log_scores for order in permutations(words)]
+    alike = [np.allclose(one, scores[0]) for one in scores]
+    assert all(alike) != (isinstance(prior, Once) and prior.ordered)
+
+
+def test_the_order_that_is_learned_is_told(learned: Fit) -> None:
+    if not len(learned.state.log_orders):
+        assert spoken_order(learned) is None
+        return
+    likely = np.full(len(learned.state.log_orders), -9.0)
+    likely[orders_of(3).index((2, 0, 1))] = -0.1
+    likely[orders_of(3).index((1, 0))] = 0.0  # of fewer channels: not an order of all
+    assert spoken_order(replace(learned, state=replace(learned.state, log_orders=likely))) == (
+        "color",
+        "action",
+        "position",
+    )
 
 
 def test_no_word_leaves_the_prior(learned: Fit, scene: dict[str, Floats]) -> None:
@@ -113,10 +151,11 @@ def test_a_choice_is_the_highest_score() -> None:
 
 def test_long_instructions(learned: Fit, scene: dict[str, Floats]) -> None:
     word = learned.trials.vocabulary[0]
-    longest = understand(learned, scene, [word] * LONGEST_INSTRUCTION)
+    most = learned.problem.frame_prior.longest_instruction
+    longest = understand(learned, scene, [word] * most)
     assert np.all(np.isfinite(longest.log_scores))
-    with pytest.raises(ValueError, match="13 words"):
-        understand(learned, scene, [word] * (LONGEST_INSTRUCTION + 1))
+    with pytest.raises(ValueError, match=f"{most + 1} words"):
+        understand(learned, scene, [word] * (most + 1))
 
 
 def test_an_empty_table_is_refused(learned: Fit) -> None:

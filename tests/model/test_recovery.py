@@ -82,5 +82,6 @@ def test_the_blocked_sampler_takes_five_channels(method: str) -> None:
     assert [mean.shape for mean in state.mean] == [(10, dim) for dim in FIVE]
     assert np.mean([adjusted_rand_score(true, z) for true, z in zip(labels, state.z, strict=True)]) > 0.7
     if METHODS[method].has_frames:
-        assert np.mean(state.F == frames) > 0.8
-        assert set(state.F) == set(range(5))
+        # No order is kept here: where it is learned all the same, some words are taken for words of no channel.
+        assert np.mean(state.F == frames) > (0.7 if method == "proposed_open_ordered" else 0.8)
+        assert set(range(5)) <= set(state.F) <= set(range(METHODS[method].frame_prior.sources(5)))

@@ -283,7 +283,7 @@ def test_contradictions_are_named(change: dict[str, Any], where: str, says: str)
         (
             {"methods": ["propsed"]},
             ".methods[0]: 'propsed' is unknown; did you mean 'proposed'? (allowed: proposed, no_mec2, "
-            "mmlda, mmlda_released, gmm)",
+            "mmlda, mmlda_released, proposed_open, no_mec2_open, proposed_ordered, proposed_open_ordered, gmm)",
         ),
         (
             {"K": {"aktion": 5}},

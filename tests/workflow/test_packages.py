@@ -48,6 +48,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
         "model.compiled",
         "model.data",
         "model.frames",
+        "model.frame_paths",
         "model.prior",
         "model.problem",
         "model.state",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from model.methods import METHODS
 from workflow.plan.config_types import CHANNELS
 from workflow.plan.experiment import Experiment
 from workflow.plan.problems import key_path
@@ -26,9 +27,11 @@ def braces(where: str, path: Path) -> Iterator[str]:
 
 def too_long(study: Study, experiment: Experiment, words: int) -> str:
     """Say why a sentence of so many words is too long for what is fitted to a data set; empty if it is not."""
-    if words <= len(CHANNELS) or not any("proposed" in one.settings.methods for one in study.users(experiment.name)):
-        return ""
-    return f"{words} words, but method proposed explains at most {len(CHANNELS)} (one per channel)"
+    methods = [name for user in study.users(experiment.name) for name in user.settings.methods]
+    for name in methods:
+        if words > METHODS[name].frame_prior.word_limit(len(CHANNELS)):
+            return f"{words} words, but method {name} explains at most {len(CHANNELS)} (one per channel)"
+    return ""
 
 
 def table_problems(study: Study, experiment: Experiment, set_name: str, notes: list[str]) -> Iterator[str]:

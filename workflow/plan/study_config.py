@@ -116,7 +116,9 @@ class Shared(StrictModel):
     methods: Several[MethodName] = Field(
         ("proposed", "no_mec2", "mmlda"),
         description="methods to compare: proposed (A), no_mec2 (B), mmlda (C), mmlda_released (C as the authors' "
-        "program computes it, for samplers of kind blocked only); gmm (ALL, no words) runs by itself",
+        "program computes it, for samplers of kind blocked only), proposed_open, no_mec2_open, proposed_ordered and "
+        "proposed_open_ordered (A and B with words of no channel, A with word order: docs/sentences.md); gmm (ALL, "
+        "no words) runs by itself",
     )
     samplers: dict[Name, AnySampler] = Field(
         {"published": Blocked()},

@@ -11,6 +11,7 @@ from scipy.special import gammaln, multigammaln
 
 from model.compiled import compiled
 from model.data import Flags, Floats
+from model.frame_paths import paths_of
 from model.kernels.mixing.setup import MOST_JOINT_WORDS, MOST_PERMUTED, Setup
 from model.kernels.mixing.tree import with_trees
 from model.prior import GaussianPrior
@@ -41,7 +42,9 @@ def setup_of(problem: Problem) -> Setup:
     most_points = int(np.where(by_points, size, 1).max())
     products = np.zeros((C, most_points, most_points))
     weight = np.array([own.concentration / own.categories for own in priors])[:, None]
-    gamma = np.array([own.word_concentration for own in priors])[:, None]
+    gamma = np.array([own.word_concentration for own in priors] + [problem.none_concentration])[:, None]
+    paths = problem.paths
+    along = paths is not None and paths.once
     count = np.arange(max(N, T) + 2.0)
     longest = max(1, trials.longest_sentence)
     by_word = [np.unique(trials.word_trial[trials.words[0] == w]) for w in range(W)]
@@ -58,13 +61,17 @@ def setup_of(problem: Problem) -> Setup:
         density=density,
         speaker=np.stack([channel.speaker for channel in channels]),
         owner=owner,
-        words=np.ascontiguousarray(trials.words),
+        words=np.concatenate([trials.words, trials.words[:1]]),
         bounds=trials.sentence_bounds,
         trials_of_word=np.cumsum([0, *map(len, by_word)]).astype(np.int64),
         word_trials=np.concatenate([np.empty(0, dtype=np.int64), *by_word]),
         framed=prior.has_frames,
         most=int(min(longest, prior.most_per_channel)),
         joint=prior.joint_words(longest, MOST_JOINT_WORDS),
+        none=prior.has_none,
+        log_named=prior.log_named(C, longest),
+        along=along,
+        paths=paths if along and paths is not None else paths_of(0, 0, False, False),
         orders=np.array(list(permutations(range(min(C, MOST_PERMUTED))))),
         log_n=np.log(count + weight),
         log_c=np.log(count + gamma),

@@ -6,6 +6,7 @@ import numpy as np
 
 from model.compiled import compiled, inlined, lean
 from model.data import Floats
+from model.kernels.frame_paths import last_state
 from model.kernels.mixing.gaussians import attach, clear_points, detach, log_density, push
 from model.kernels.mixing.setup import NEVER, Setup, Tables
 
@@ -13,8 +14,12 @@ from model.kernels.mixing.setup import NEVER, Setup, Tables
 @compiled
 def fill(setup: Setup, tables: Tables) -> None:
     """Compute all tables from z and F."""
-    for c in range(len(setup.size)):
+    C = len(setup.size)
+    for c in range(C):
         fill_channel(setup, tables, c)
+    tables.words[C], tables.total[C], tables.orders[:] = 0, 0, 0
+    for d in range(setup.speaker.shape[1]):
+        count_frame(setup, tables, d, 1)
 
 
 @compiled
@@ -64,6 +69,16 @@ def count_words(setup: Setup, tables: Tables, c: int, d: int, k: int, change: in
         if not setup.framed or tables.F[t] == c:
             tables.words[c, k, setup.words[c, t]] += change
             tables.total[c, k] += change
+
+
+@lean
+def count_frame(setup: Setup, tables: Tables, d: int, change: int) -> None:
+    """Add `change` for what trial d's frame has beside the channels' words: words of no channel, and its state."""
+    first, last = setup.bounds[d], setup.bounds[d + 1]
+    if setup.none:
+        count_words(setup, tables, len(setup.size), d, 0, change)
+    if setup.along:
+        tables.orders[last_state(setup.paths, tables.F, first, last)] += change
 
 
 @inlined
@@ -172,9 +187,11 @@ def draw_empty(rng: np.random.Generator, setup: Setup, tables: Tables, c: int, e
 
 @compiled
 def log_masses(setup: Setup, tables: Tables) -> float:
-    """Σ log m(k) over all categories: log p(X, w, z, F) but for `model.joint.log_constant`."""
+    """Σ log m(k) over all categories, and words of none: log p(X, w, z, F) but for `model.joint.log_constant`."""
     total = 0.0
     for c in range(len(setup.size)):
         for k in range(setup.categories[c]):
             total += category_log_mass(setup, tables, c, k)
+    if setup.none:
+        total += _words_log_mass(setup, tables, len(setup.size), 0)
     return total

@@ -1,7 +1,8 @@
 """Two channels exchange their words, in the sentences that hold a word in one of them.
 
 The frames change in a fixed way, an involution; the categories of both channels' speakers of these trials are drawn
-anew, one trial after the other. Accept with (p/q)(new) / (p/q)(present), both along the same order of trials.
+anew, one trial after the other. Accept with (p/q)(new) / (p/q)(present), both along the same order of trials, and the
+probability of the orders of channels where that is learned. Words of no channel stay what they are.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from model.compiled import compiled, lean
 from model.data import Ints
 from model.distributions.choices import draw_other, shuffle
 from model.distributions.dirichlet import draw_index, log_total
+from model.kernels.frame_paths import last_state, orders_log_mass
 from model.kernels.mixing.counts import element_log_weights, join
 from model.kernels.mixing.setup import Setup, Tables
 from model.kernels.mixing.trial_block import categories_of, put_back, take_out
@@ -44,10 +46,12 @@ def exchange(rng: np.random.Generator, setup: Setup, tables: Tables, word: int) 
     shuffle(rng, trials)
     before = categories_of(setup, tables, trials, channels)
     take_out(setup, tables, trials, channels)
-    present = _draw_back(rng, setup, tables, trials, channels, before, True)
+    present = orders_log_mass(setup.paths, tables.orders)
+    present += _draw_back(rng, setup, tables, trials, channels, before, True)
     take_out(setup, tables, trials, channels)
     _swap(setup, tables, trials, x, y)
-    new = _draw_back(rng, setup, tables, trials, channels, before, False)
+    new = orders_log_mass(setup.paths, tables.orders)
+    new += _draw_back(rng, setup, tables, trials, channels, before, False)
     if math.log(rng.random()) < new - present:
         return True
     take_out(setup, tables, trials, channels)
@@ -76,8 +80,13 @@ def _draw_back(
 def _swap(setup: Setup, tables: Tables, trials: Ints, x: int, y: int) -> None:
     """Channels x and y change places in the frames of trials."""
     for d in trials:
-        for t in range(setup.bounds[d], setup.bounds[d + 1]):
+        first, last = setup.bounds[d], setup.bounds[d + 1]
+        if setup.along:
+            tables.orders[last_state(setup.paths, tables.F, first, last)] -= 1
+        for t in range(first, last):
             if tables.F[t] == x:
                 tables.F[t] = y
             elif tables.F[t] == y:
                 tables.F[t] = x
+        if setup.along:
+            tables.orders[last_state(setup.paths, tables.F, first, last)] += 1

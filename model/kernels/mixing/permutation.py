@@ -2,11 +2,13 @@
 
 The sentences are chosen without a look at F: those with a word, a random half, or all. One of the permutations of
 four channels (all, where there are no more) is drawn in proportion to the words' probability under the permuted
-frames. The orbit of F under the permutations is the same from each of its points, so that this is a draw from a
-conditional.
+frames, and to that of the orders of channels where it is learned. Words of no channel stay what they are. The orbit
+of F under the permutations is the same from each of its points, so that this is a draw from a conditional.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
@@ -46,19 +48,32 @@ def permute_channels(rng: np.random.Generator, setup: Setup, tables: Tables, wor
     _count(setup, tables, trials, maps[chosen], 1)
     for d in trials:
         for t in range(setup.bounds[d], setup.bounds[d + 1]):
-            tables.F[t] = maps[chosen, tables.F[t]]
+            if tables.F[t] < C:
+                tables.F[t] = maps[chosen, tables.F[t]]
 
 
 @lean
 def _count(setup: Setup, tables: Tables, trials: Ints, permutation: Ints, change: int) -> float:
-    """Count the words of trials under permuted frames (1), or take them out (−1); log p of those that are counted."""
-    total = 0.0
+    """Count the words of trials under permuted frames (1), or take them out (−1); log p of those that are counted.
+
+    Where the order of channels is learned its probability is part of it.
+    """
+    total, C, paths = 0.0, len(setup.size), setup.paths
     for d in trials:
+        state = 0
         for t in range(setup.bounds[d], setup.bounds[d + 1]):
+            if tables.F[t] == C:
+                continue
             c = permutation[tables.F[t]]
+            if setup.along:
+                state = paths.follow[state, c]
             k, w = tables.z[c, setup.speaker[c, d]], setup.words[c, t]
             if change > 0:
                 total += setup.log_c[c, tables.words[c, k, w]] - setup.log_t[c, tables.total[c, k]]
             tables.words[c, k, w] += change
             tables.total[c, k] += change
+        if setup.along:
+            if paths.learned and change > 0:
+                total += math.log(tables.orders[state] + paths.share[state])
+            tables.orders[state] += change
     return total

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from model.data import Flags, Floats, Ints
+from model.frame_paths import Paths
 from model.state import Partition
 
 Hashes = NDArray[np.uint64]
@@ -46,20 +47,24 @@ class Setup(NamedTuple):
         density: (C, N + 1) f[n].
         speaker: (C, D) the element that each sentence is about.
         owner: (C, N) the trial whose speaker an element is, −1 for a silent one.
-        words: (C, T) index into the vocabulary.
+        words: (C + 1, T) index into the vocabulary; the last row, as below, is of ∅, no channel.
         bounds: (D + 1,) the words of trial d are bounds[d] to bounds[d + 1] − 1.
         trials_of_word: (W + 1,) and
         word_trials: where word w occurs: trials word_trials[trials_of_word[w]:trials_of_word[w + 1]].
         framed: Whether words have frames; else each channel explains all words.
         most: Words of a sentence that a channel may explain.
         joint: Words of a sentence whose frames are drawn together.
+        none: Whether words may be of no channel.
+        log_named: Log prior of a frame by its words and those with a channel, where it hangs on nothing else.
+        along: Whether frames are drawn along paths.
+        paths: The states of frames; of use where frames are drawn along them.
         orders: (orders, channels) all orders of the channels that are permuted together, the first the identity.
         log_n: (C, …) log(n + α/K).
-        log_c: (C, …) log(n + γ).
-        log_t: (C, …) log(n + Wγ).
+        log_c: (C + 1, …) log(n + γ).
+        log_t: (C + 1, …) log(n + Wγ).
         mass_n: (C, …) log Γ(n + α/K) / Γ(α/K).
-        mass_c: (C, …) log Γ(n + γ) / Γ(γ).
-        mass_t: (C, …) log Γ(n + Wγ) / Γ(Wγ).
+        mass_c: (C + 1, …) log Γ(n + γ) / Γ(γ).
+        mass_t: (C + 1, …) log Γ(n + Wγ) / Γ(Wγ).
         beta: The power to which the densities of the features are raised, 1 for the posterior.
         key: (C, N) a random number of each element, by which sets of elements are told apart.
         clusters: (C,) clusters per tree of the elements; 0 where there is no tree.
@@ -85,6 +90,10 @@ class Setup(NamedTuple):
     framed: bool
     most: int
     joint: int
+    none: bool
+    log_named: Floats
+    along: bool
+    paths: Paths
     orders: Ints
     log_n: Floats
     log_c: Floats
@@ -104,7 +113,7 @@ class Tables(NamedTuple):
 
     Attributes:
         z: (C, N) category of each element, −1 for one that is taken out.
-        F: (T,) channel of each word.
+        F: (T,) channel of each word, C for none.
         n: (C, K) elements per category.
         members: (C, K, N) the elements of each category, in the order of the factor.
         place: (C, N) where an element stands among the members.
@@ -112,8 +121,9 @@ class Tables(NamedTuple):
         mean: (C, K, dim) m_n, where V_n is factored.
         log_det: (C, K) log |C_S|.
         identity: (C, K) exclusive or of the keys of the members: which set of elements it is.
-        words: (C, K, W) how often the category explains each word.
-        total: (C, K) sums of `words`.
+        words: (C + 1, K, W) how often the category explains each word; of ∅ only the first.
+        total: (C + 1, K) sums of `words`.
+        orders: (S,) how many sentences end in each state of the paths.
         predicted: (C, K, N) log p(x_i | category k) as last computed, and
         predicted_for: (C, K, N) for which set of members.
         left_out: (C, N) log p(x_i | the others of its category) as last computed, and
@@ -132,6 +142,7 @@ class Tables(NamedTuple):
     identity: Hashes
     words: Ints
     total: Ints
+    orders: Ints
     predicted: Floats
     predicted_for: Hashes
     left_out: Floats
@@ -157,8 +168,9 @@ def tables_of(setup: Setup, W: int, state: Partition) -> Tables:
         mean=np.zeros((C, K, setup.features.shape[2])),
         log_det=np.zeros((C, K)),
         identity=np.zeros((C, K), dtype=np.uint64),
-        words=np.zeros((C, K, W), dtype=np.int64),
-        total=np.zeros((C, K), dtype=np.int64),
+        words=np.zeros((C + 1, K, W), dtype=np.int64),
+        total=np.zeros((C + 1, K), dtype=np.int64),
+        orders=np.zeros(len(setup.paths.size), dtype=np.int64),
         predicted=np.zeros((C, K, N)),
         predicted_for=np.full((C, K, N), NEVER),
         left_out=np.zeros((C, N)),

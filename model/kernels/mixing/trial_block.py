@@ -16,7 +16,16 @@ from model.compiled import compiled, lean
 from model.data import Floats, Ints
 from model.distributions.choices import draw_weighted
 from model.distributions.dirichlet import draw_index, log_total
-from model.kernels.mixing.counts import count_words, element_log_weight, element_log_weights, join, leave
+from model.kernels.mixing.counts import (
+    count_frame,
+    count_words,
+    element_log_weight,
+    element_log_weights,
+    join,
+    leave,
+    log_words,
+)
+from model.kernels.mixing.path_block import draw_along_paths
 from model.kernels.mixing.setup import Setup, Tables
 from model.kernels.mixing.silent import move
 
@@ -31,12 +40,14 @@ def sweep_trials(rng: np.random.Generator, setup: Setup, tables: Tables) -> None
         start = first
         while True:
             part = np.arange(start, min(last, start + setup.joint))
+            count_frame(setup, tables, d, -1)
             for c in range(C):
                 count_words(setup, tables, c, d, tables.z[c, setup.speaker[c, d]], -1)
             draw_trial(rng, setup, tables, d, part, -1, 0, chosen)
             for c in range(C):
                 move(setup, tables, c, setup.speaker[c, d], chosen[c])
                 count_words(setup, tables, c, d, chosen[c], 1)
+            count_frame(setup, tables, d, 1)
             start += setup.joint
             if start >= last:
                 break
@@ -91,31 +102,36 @@ def draw_trial(
     C, n = len(setup.size), len(part)
     if not setup.framed:
         return _draw_unframed(rng, setup, tables, d, chosen)
-    K, sets = setup.categories.max(), 1 << n
+    if setup.along:
+        return draw_along_paths(rng, setup, tables, d, word, channel, chosen)
+    K, sets, sources = setup.categories.max(), 1 << n, C + setup.none
     for t in part:
-        tables.F[t] = tables.F[t] - C  # negative: explained by none for now
-    weights, mass = np.zeros((C, K, sets)), np.zeros((C, sets))
+        tables.F[t] -= C + 1  # negative: not explained for now
+    weights, mass = np.zeros((sources, K, sets)), np.zeros((sources, sets))
     log_z = 0.0
-    for c in range(C):
+    for c in range(sources):
         log_z += _weigh_channel(setup, tables, c, d, part, word, channel, weights[c], mass[c])
-    upto = np.zeros((C, sets))  # Σ over how channels 0 to c explain a set of words
+    if setup.none:
+        _weigh_named(setup, tables, d, n, mass[C])
+    upto = np.zeros((sources, sets))  # Σ over how sources 0 to c explain a set of words
     upto[0] = mass[0]
-    for c in range(1, C):
+    for c in range(1, sources):
         _convolve(upto[c - 1], mass[c], upto[c], n, setup.most)
     everything = sets - 1
-    total = upto[C - 1, everything]
+    total = upto[sources - 1, everything]
     if not total > 0.0:
         for t in part:
-            tables.F[t] += C
+            tables.F[t] += C + 1
         return -np.inf
     left = everything
-    for c in range(C - 1, -1, -1):
+    for c in range(sources - 1, -1, -1):
         mine = left if c == 0 else _draw_subset(rng, upto[c - 1], mass[c], left)
         left ^= mine
         for m in range(n):
             if mine >> m & 1:
                 tables.F[part[m]] = c
-        chosen[c] = draw_weighted(rng, weights[c, :, mine])
+        if c < C:
+            chosen[c] = draw_weighted(rng, weights[c, :, mine])
     return float(log_z + math.log(total))
 
 
@@ -142,11 +158,18 @@ def _weigh_channel(
     weights: Floats,
     mass: Floats,
 ) -> float:
-    """Set G(k) W(k, S) (K, 2^n) and M(S) (2^n,) of channel c, both divided by a number whose log is returned."""
-    i, K, n = setup.speaker[c, d], setup.categories[c], len(part)
+    """Set G(k) W(k, S) (K, 2^n) and M(S) (2^n,) of channel c, both divided by a number whose log is returned.
+
+    For ∅, c = C, there is one category, and no element.
+    """
+    n, none = len(part), c == len(setup.size)
+    K = 1 if none else setup.categories[c]
     top = -np.inf
-    for k in range(K):
-        weight = element_log_weight(setup, tables, c, k, i)  # with its words that are not in the part
+    for k in range(K):  # with the words that are not in the part
+        if none:
+            weight = log_words(setup, tables, c, d, k)
+        else:
+            weight = element_log_weight(setup, tables, c, k, setup.speaker[c, d])
         weights[k, 0] = weight
         top = max(top, weight)
     fixed = 0
@@ -181,6 +204,19 @@ def _weigh_channel(
             for k in range(K):
                 mass[s] += weights[k, s]
     return float(top)
+
+
+@lean
+def _weigh_named(setup: Setup, tables: Tables, d: int, n: int, mass: Floats) -> None:
+    """Multiply M(S) (2^n,) of ∅ by the prior of a frame that sends the words of S there, the part's others not."""
+    C, first, last, named = len(setup.size), setup.bounds[d], setup.bounds[d + 1], 0
+    for t in range(first, last):
+        named += 0 <= tables.F[t] < C
+    for s in range(1 << n):
+        size = 0
+        for m in range(n):
+            size += s >> m & 1
+        mass[s] *= math.exp(setup.log_named[last - first, named + n - size])
 
 
 @lean

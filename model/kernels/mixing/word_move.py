@@ -1,4 +1,4 @@
-"""All tokens of a word to another channel, with the frames and the speakers of its sentences drawn anew.
+"""All tokens of a word to another channel or to none, with the frames and the speakers of its sentences drawn anew.
 
 If all tokens are in one channel x, another channel y is drawn. The trials that hold the word are taken out, and put
 back one after the other in random order by the trial block's conditional, restricted to frames that send the word to
@@ -15,6 +15,7 @@ import numpy as np
 from model.compiled import compiled, lean
 from model.data import Ints
 from model.distributions.choices import draw_other, shuffle
+from model.kernels.mixing.counts import count_frame
 from model.kernels.mixing.setup import Setup, Tables
 from model.kernels.mixing.trial_block import categories_of, draw_trial, put_back, take_out
 
@@ -23,16 +24,17 @@ from model.kernels.mixing.trial_block import categories_of, draw_trial, put_back
 def move_word(rng: np.random.Generator, setup: Setup, tables: Tables, word: int) -> bool:
     """Try to move a word to another channel; tells whether it was accepted."""
     C = len(setup.size)
+    sources = C + setup.none
     trials = setup.word_trials[setup.trials_of_word[word] : setup.trials_of_word[word + 1]].copy()
-    if not setup.framed or C < 2 or len(trials) == 0:
+    if not setup.framed or sources < 2 or len(trials) == 0:
         return False
     x = _channel_of(setup, tables, word, trials)
     if x < 0:
         return False
-    y, channels = draw_other(rng, C, x), np.arange(C)
+    y, channels = draw_other(rng, sources, x), np.arange(C)
     shuffle(rng, trials)
     before, F = categories_of(setup, tables, trials, channels), tables.F.copy()
-    take_out(setup, tables, trials, channels)
+    _take_out(setup, tables, trials, channels)
     chosen = np.empty(C, dtype=np.int64)
     present = 0.0
     for p in range(len(trials)):
@@ -41,29 +43,44 @@ def move_word(rng: np.random.Generator, setup: Setup, tables: Tables, word: int)
         present += draw_trial(rng, setup, tables, d, part, word, x, chosen)
         for t in part:
             tables.F[t] = F[t]
-        put_back(setup, tables, d, channels, before[p])
-    take_out(setup, tables, trials, channels)
+        _put_back(setup, tables, d, channels, before[p])
+    _take_out(setup, tables, trials, channels)
     new, done = 0.0, 0
     for d in trials:
         log_z = draw_trial(rng, setup, tables, d, _part(setup, d, word), word, y, chosen)
         new += log_z
         if log_z == -np.inf:
             break
-        put_back(setup, tables, d, channels, chosen)
+        _put_back(setup, tables, d, channels, chosen)
         done += 1
     if math.log(rng.random()) < new - present:
         return True
-    take_out(setup, tables, trials[:done], channels)
+    _take_out(setup, tables, trials[:done], channels)
     tables.F[:] = F
     for p in range(len(trials)):
-        put_back(setup, tables, trials[p], channels, before[p])
+        _put_back(setup, tables, trials[p], channels, before[p])
     return False
 
 
 @lean
+def _take_out(setup: Setup, tables: Tables, trials: Ints, channels: Ints) -> None:
+    """Take the whole sentences of trials out, with their speakers."""
+    take_out(setup, tables, trials, channels)
+    for d in trials:
+        count_frame(setup, tables, d, -1)
+
+
+@lean
+def _put_back(setup: Setup, tables: Tables, d: int, channels: Ints, z: Ints) -> None:
+    """Put the whole sentence of trial d back, with its speakers in categories z."""
+    put_back(setup, tables, d, channels, z)
+    count_frame(setup, tables, d, 1)
+
+
+@lean
 def _channel_of(setup: Setup, tables: Tables, word: int, trials: Ints) -> int:
-    """The channel that explains all tokens of a word; −1 if several do, or a sentence has too many of them."""
-    channel = -1
+    """The channel of all tokens of a word, or C; −1 if they have several, or a sentence has too many of them."""
+    channel, most = -1, 1 if setup.along else setup.joint
     for d in trials:
         tokens = 0
         for t in range(setup.bounds[d], setup.bounds[d + 1]):
@@ -72,7 +89,7 @@ def _channel_of(setup: Setup, tables: Tables, word: int, trials: Ints) -> int:
                 if channel >= 0 and tables.F[t] != channel:
                     return -1
                 channel = tables.F[t]
-        if tokens > setup.joint:
+        if tokens > most:
             return -1
     return channel
 
